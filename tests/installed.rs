@@ -13,7 +13,11 @@ use tempfile::TempDir;
 const PATIENCE: Duration = Duration::from_secs(180);
 
 /// Artifacts of one kind that cargo has built, `bin` or `cdylib`.
-fn artifacts(arguments: &[&str], kind: &str) -> Vec<PathBuf> {
+///
+/// # Panics
+/// When they cannot be built.
+#[must_use]
+pub fn artifacts(arguments: &[&str], kind: &str) -> Vec<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command

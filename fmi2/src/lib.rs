@@ -6,6 +6,7 @@
 //! - [`archive`]: the `.fmu` archive, written reproducibly and extracted with bounds.
 //! - [`import`]: any FMU, loaded through its C interface.
 //! - [`instance`]: an instance of an FMU, in this process or in another; [`isolation`]: FMUs in processes of their own.
+//! - [`program`]: the file of the program, which libraries and children are looked for beside.
 //! - [`abi`]: the C types.
 //!
 //! No other crate of the workspace has hand-written `unsafe`; every block says why it is sound.
@@ -37,6 +38,7 @@ pub mod instance;
 pub mod isolation;
 mod location;
 pub mod model_description;
+pub mod program;
 pub mod slave;
 
 pub use error::{Error, Log};

@@ -3,7 +3,7 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `equilibrium` | state at t = 0: heights and forces at which both sides are at rest |
-//! | `one_system` | line, pantographs and contacts under one integrator |
+//! | `one_system` | line, pantographs and contacts under one integrator, in a run or step by step |
 //! | `run` | schedule, outcome, and the time loop of one system |
 //! | `disturbance` | disturbances put on a run to test its stability |
 //! | `time_shares` | shares of the wall time of a run |

@@ -1,5 +1,6 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
+pub mod stepped;
 mod whole;
 
 use catenary::{
@@ -20,6 +21,9 @@ use crate::time_shares::{self, Profile};
 
 /// Difference of forces below which the start counts as rest, N.
 const AT_REST: f64 = 1e-3;
+
+/// Inputs of a pantograph for the wind in x, y, z, m/s.
+const WIND_INPUTS: usize = 3;
 
 /// Reason why there is no single system.
 #[derive(Debug, thiserror::Error)]
@@ -92,6 +96,20 @@ impl OneSystem {
     /// # Errors
     /// See [`OneSystemError`].
     pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, OneSystemError> {
+        Self::with_inputs(scene, statics, supports, 0)
+    }
+
+    /// As [`OneSystem::new`], with inputs for the wind on each pantograph, 0 at the start.
+    fn with_wind(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, OneSystemError> {
+        Self::with_inputs(scene, statics, supports, WIND_INPUTS * scene.pantographs.len())
+    }
+
+    fn with_inputs(
+        scene: &Scene,
+        statics: &StaticLine,
+        supports: &[usize],
+        inputs: usize,
+    ) -> Result<Self, OneSystemError> {
         let mut layout = Layout::new();
         let mut line = scene_line(scene, statics, &mut layout)?;
         let mut pantographs = Vec::new();
@@ -101,7 +119,10 @@ impl OneSystem {
                 pantograph: index + 1,
                 source,
             };
-            let (pantograph, start) = PantographModel::started(scene, index, &mut layout).map_err(refused)?;
+            let (mut pantograph, start) = PantographModel::started(scene, index, &mut layout).map_err(refused)?;
+            if inputs > 0 {
+                pantograph.add_wind_input(WIND_INPUTS * index);
+            }
             starts.push(start);
             pantographs.push(pantograph);
         }
@@ -161,7 +182,7 @@ impl OneSystem {
         let mut simulator = Simulator::new(
             whole,
             state,
-            Vec::new(),
+            vec![0.0; inputs],
             solver.micro_step,
             solver.rho_inf,
             solver.newton_options(),

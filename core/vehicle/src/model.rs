@@ -129,7 +129,7 @@ impl PantographModel {
     }
 
     /// Adds the inputs `u[first..first + 3]` to the wind on the pantograph, m/s.
-    pub(crate) fn add_wind_input(&mut self, first: usize) {
+    pub fn add_wind_input(&mut self, first: usize) {
         self.pantograph.air_mut().add_input(first);
     }
 
@@ -376,6 +376,12 @@ impl PantographModel {
     #[must_use]
     pub fn uplift_force(&self) -> f64 {
         self.pantograph.uplift_force()
+    }
+
+    /// Sets the force that raises the pantograph, N, from now on; `false` for a model in which it is part of what was
+    /// prepared before the start.
+    pub fn set_uplift_force(&mut self, force: f64) -> bool {
+        self.pantograph.set_uplift_force(force)
     }
 
     /// Contact force at rest in the reference position, N.

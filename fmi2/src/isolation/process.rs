@@ -28,7 +28,7 @@ const LINE: u64 = 1 << 14;
 /// # Errors
 /// There is none.
 pub(super) fn program() -> io::Result<PathBuf> {
-    let this = std::env::current_exe()?;
+    let this = crate::program::file()?;
     if SERVES.load(Ordering::Relaxed) {
         // itself, also if its file was replaced meanwhile
         let itself = PathBuf::from("/proc/self/exe");

@@ -63,7 +63,7 @@ pub struct Libraries {
 /// The source tree that this program was built in, where it still stands around it.
 #[must_use]
 pub fn source_tree() -> Option<PathBuf> {
-    let program = std::env::current_exe().ok()?;
+    let program = fmi2::program::file().ok()?;
     let around = program
         .ancestors()
         .find(|folder| folder.join("fmu-catenary/Cargo.toml").exists() && folder.join("Cargo.toml").exists());
@@ -93,7 +93,7 @@ impl Libraries {
         if let Some(found) = FOUND.get() {
             return Ok(found.clone());
         }
-        let program = std::env::current_exe().unwrap_or_default();
+        let program = fmi2::program::file().unwrap_or_default();
         let folder = program.parent().unwrap_or(Path::new("."));
         let [catenary, pantograph] = SHELLS.map(|library| newest(folder, &library_file(library)));
         let found = Self {

@@ -28,7 +28,7 @@ pub use animation::Animation;
 pub use directory::io;
 pub use directory::{OutputDirectory, RunBundle, SUMMARY};
 pub use error::ResultsError;
-pub use record::{LineGeometry, Record, StripRecord, SupportRecord, WindRecord};
+pub use record::{LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, WindRecord};
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
     ContactForceSummary, Cost, Coupling, Evaluation, Model, PantographSummary, Part, RunInfo, StripSummary, Summary,

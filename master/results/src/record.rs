@@ -129,6 +129,36 @@ impl StripRecord {
     }
 }
 
+/// One series of a record, as the time series file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedSeries<'a> {
+    /// Name, such as `contact[1].force`.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// One sentence.
+    pub description: String,
+    /// Values, one for each time.
+    pub values: &'a [f64],
+}
+
+/// Unit and description of a series by its name.
+fn declared(name: &str) -> (&'static str, String) {
+    let (member, rest) = name.split_once("].").unwrap_or_default();
+    let (_, number) = member.split_once('[').unwrap_or_default();
+    let groups = [&contact::SIGNALS[..], &strip::SIGNALS[..], &support::SIGNALS[..]];
+    // A head has signals of a contact and of a strip; of names that both have, its are those of the contact.
+    let groups = match member.starts_with(strip::GROUP) {
+        true => [groups[1], groups[0], groups[2]],
+        false => groups,
+    };
+    let found = groups.into_iter().flatten().find(|signal| signal.name == rest);
+    found.map_or_else(Default::default, |signal| {
+        let description = signal.description.replace("{}", number);
+        (signal.unit().unwrap_or_default(), description)
+    })
+}
+
 /// Number of series of a pantograph besides the wind.
 pub(super) const COLUMNS: usize = 7;
 
@@ -182,6 +212,22 @@ impl Record {
             }
         }
         columns
+    }
+
+    /// All series but the time with names and units, in the order of the time series file.
+    #[must_use]
+    pub fn series(&self) -> Vec<NamedSeries<'_>> {
+        let columns = self.columns().into_iter();
+        let series = columns.map(|(name, values)| {
+            let (unit, description) = declared(&name);
+            NamedSeries {
+                name,
+                unit,
+                description,
+                values,
+            }
+        });
+        series.collect()
     }
 
     /// Checks that all series have the length of the time.

@@ -7,6 +7,7 @@ pub mod check_page;
 mod error;
 mod mesh;
 mod modelled;
+pub mod paths;
 mod prepare;
 mod rest_position;
 mod slaves;
@@ -37,6 +38,7 @@ use results::{self, LineGeometry, Record, RunInfo};
 use suppliers::settling::{self, Settling};
 use suppliers::{SuppliedLine, SuppliedPantograph};
 use system::disturbance::Disturbance;
+use system::one_system::stepped::SteppedSystem;
 use system::one_system::{Evidence, OneSystem};
 use system::run::{Failure, Outcome, Schedule, Steps, Watch};
 
@@ -386,21 +388,35 @@ impl Prepared {
         Ok(finished)
     }
 
+    /// Static state of the line, where the scene can be one system.
+    fn statics_of_one_system(&self) -> Result<&StaticLine, SetupError> {
+        let statics = self.statics.as_deref().filter(|_| OneSystem::can(&self.scene));
+        statics.ok_or_else(|| SetupError::NotInThisMode {
+            mode: Mode::Monolithic.name(),
+            what: "line or pantograph is a supplied FMU, which has no equations to put into one system".to_owned(),
+        })
+    }
+
+    /// The scene as one system that is advanced step by step from outside.
+    ///
+    /// # Errors
+    /// A scene that is no one system; see [`SetupError`].
+    pub fn stepped(&self) -> Result<SteppedSystem, SetupError> {
+        let statics = self.statics_of_one_system()?;
+        Ok(SteppedSystem::new(
+            &self.scene,
+            statics,
+            &evaluated_supports(&self.scene),
+        )?)
+    }
+
     fn run_as_one<E: From<SetupError>>(
         self,
         supports: &[usize],
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
-        let statics = self.statics.as_deref().filter(|_| OneSystem::can(&self.scene));
-        let Some(statics) = statics else {
-            let what = "line or pantograph is a supplied FMU, which has no equations to put into one system".to_owned();
-            return Err(SetupError::NotInThisMode {
-                mode: Mode::Monolithic.name(),
-                what,
-            }
-            .into());
-        };
+        let statics = self.statics_of_one_system()?;
         let mut whole = OneSystem::new(&self.scene, statics, supports).map_err(SetupError::from)?;
         whole.disturb(&self.disturbance).map_err(SetupError::from)?;
         good(&self.scene)?;

@@ -37,6 +37,26 @@ impl Base {
         }
     }
 
+    /// The same scene with texts of files beside it, which are then not read.
+    #[must_use]
+    pub fn with_files(self, files: BTreeMap<String, String>) -> Self {
+        let files = files.into_iter().map(|(path, text)| (path, Ok(text))).collect();
+        Self {
+            files: Mutex::new(files),
+            ..self
+        }
+    }
+
+    /// Texts of the files beside the scene that were read so far, for the same scene in another place.
+    #[must_use]
+    pub fn files(&self) -> BTreeMap<String, String> {
+        let files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = files
+            .iter()
+            .filter_map(|(path, text)| Some((path, text.as_ref().ok()?)));
+        read.map(|(path, text)| (path.clone(), text.clone())).collect()
+    }
+
     fn file(&self, path: &str) -> Result<String, String> {
         let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
         let read =

@@ -7,6 +7,7 @@ use component::Progress;
 use cosim::chain;
 use experiments::engine::table::Status;
 use results::{Record as Series, RunInfo};
+use serde::{Deserialize, Serialize};
 use simulation::{Finished, FmuSource, Mode, SetupError, StaticLines, prepare_on};
 use system::run::Watch;
 
@@ -33,6 +34,7 @@ pub struct Cases<'a> {
 }
 
 /// A finished case with its filtered forces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Made {
     /// Record; places of its series are not known yet.
     pub record: Record,

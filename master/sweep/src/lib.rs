@@ -38,6 +38,7 @@ mod tests;
 pub mod values;
 
 pub use base::Base;
+pub use case::Made;
 pub use error::SweepError;
 pub use file::Wishes;
 pub use plan::Plan;

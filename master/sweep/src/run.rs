@@ -1,5 +1,6 @@
 //! All cases on a pool, and the tables at the end.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use experiments::engine::store::{digest, program};
 use experiments::engine::table::Status;
 use experiments::engine::{Crew, Guard, side_by_side};
 use results::ResultsError;
-use results::report::Progress;
+use results::report::{Progress, Show};
 use scene::Scene;
 use serde::Serialize;
 use simulation::{FmuSource, Mode, StaticLines};
@@ -123,6 +124,12 @@ impl Sweep {
         })
     }
 
+    /// Texts of the files beside the scene, for the same sweep in another place.
+    #[must_use]
+    pub fn files(&self) -> BTreeMap<String, String> {
+        self.base.files()
+    }
+
     /// Number of cases.
     #[must_use]
     pub fn cases(&self) -> u64 {
@@ -151,6 +158,28 @@ impl Sweep {
     }
 
     fn make(&self, journal: &mut Journal, interrupted: &AtomicBool, progress: &Progress) -> Result<(), SweepError> {
+        let share = 1.0 / self.cases.max(1) as f64;
+        let mut finished = journal.finished();
+        progress.done_earlier(finished as f64 * share);
+        // Cases that are known when the sweep begins; those made meanwhile are behind the iterator.
+        let known: Vec<bool> = (1..=self.cases).map(|case| journal.has(case)).collect();
+        let open = |case: u64| !known[case as usize - 1];
+        self.make_open(&open, interrupted, (progress, share), &mut |made: Made| {
+            journal.add(made.record, &made.series)?;
+            finished += 1;
+            progress.message(&format!("{finished} of {} cases", self.cases));
+            Ok(())
+        })
+    }
+
+    /// Makes the cases for which `open` holds and gives each to `keep`; `share` is the part of the bar for one case.
+    fn make_open(
+        &self,
+        open: &(dyn Fn(u64) -> bool + Sync),
+        interrupted: &AtomicBool,
+        (progress, share): (&Progress, f64),
+        keep: &mut dyn FnMut(Made) -> Result<(), SweepError>,
+    ) -> Result<(), SweepError> {
         let source = FmuSource {
             folder: self.options.fmus.clone(),
             logging: self.options.logging,
@@ -165,15 +194,7 @@ impl Sweep {
             pantographs: self.pantographs,
             series: self.options.series,
         };
-        let share = 1.0 / self.cases.max(1) as f64;
-        let mut finished = journal.finished();
-        progress.done_earlier(finished as f64 * share);
-        if finished == self.cases {
-            return Ok(());
-        }
-        // Cases that are known when the sweep begins; those made meanwhile are behind the iterator.
-        let known: Vec<bool> = (1..=self.cases).map(|case| journal.has(case)).collect();
-        let open = self.plan.cases().filter(|case| !known[case.number as usize - 1]);
+        let open = self.plan.cases().filter(|case| open(case.number));
         let one = |case: Case, guard: &Guard| {
             let bar = progress.beside(share, self.duration);
             let made = cases.make(&case, guard.stop(), &bar);
@@ -187,16 +208,70 @@ impl Sweep {
         };
         // A flag that is set between two cases ends the sweep too.
         let open = open.take_while(|_| !interrupted.load(std::sync::atomic::Ordering::Relaxed));
-        side_by_side(crew, open, &one, &mut |made: Made| {
-            journal.add(made.record, &made.series)?;
-            finished += 1;
-            progress.message(&format!("{finished} of {} cases", self.cases));
+        side_by_side(crew, open, &one, keep)
+    }
+
+    /// Identity of the sweep: the same identity gives the same cases bit for bit.
+    #[must_use]
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Makes some cases, for a sweep whose batches are made in several places: the records are those of
+    /// [`Sweep::run`]. Fewer where `interrupted` is set meanwhile.
+    ///
+    /// # Errors
+    /// FMUs that all cases need.
+    pub fn make_batch(&self, cases: &BTreeSet<u64>, interrupted: &AtomicBool) -> Result<Vec<Made>, SweepError> {
+        let mut batch = Vec::new();
+        let hidden = Progress::share(&self.base.name, Show::Never);
+        let share = 1.0 / cases.len().max(1) as f64;
+        let open = |case: u64| cases.contains(&case);
+        self.make_open(&open, interrupted, (&hidden, share), &mut |made| {
+            batch.push(made);
             Ok(())
-        })
+        })?;
+        batch.sort_by_key(|made| made.record.case);
+        Ok(batch)
+    }
+
+    /// Opens or begins the journal of the sweep in `folder`, for cases that are made elsewhere.
+    ///
+    /// # Errors
+    /// See [`Journal::open`].
+    pub fn journal(&self, folder: &Path) -> Result<Journal, SweepError> {
+        Journal::open(folder, &self.identity, self.cases)
+    }
+
+    /// Writes the rows of a batch of cases as one Parquet file with the columns of the whole table.
+    ///
+    /// # Errors
+    /// Reports of the operating system.
+    pub fn write_batch(&self, path: &Path, batch: &[Made]) -> Result<(), SweepError> {
+        let failed = |source: parquet::errors::ParquetError| ResultsError::Io {
+            path: path.to_owned(),
+            action: "write",
+            source: std::io::Error::other(source),
+        };
+        let mut table = ParquetTable::new(&self.plan, self.options.series, path).map_err(failed)?;
+        let cases: BTreeMap<u64, &Made> = batch.iter().map(|made| (made.record.case, made)).collect();
+        for case in self.plan.cases() {
+            let Some(made) = cases.get(&case.number) else { continue };
+            for (index, row) in rows(&self.plan, &case, &made.record).into_iter().enumerate() {
+                let place = made.record.series.get(index).zip(made.series.get(index));
+                let series = place.map(|(place, samples)| (samples.clone(), place.from, place.step));
+                table.row(row, series).map_err(failed)?;
+            }
+        }
+        table.finish().map_err(failed)?;
+        Ok(())
     }
 
     /// Writes tables and page of the finished cases, each file beside its place first.
-    fn write(&self, journal: &mut Journal, folder: &Path) -> Result<Summary, SweepError> {
+    ///
+    /// # Errors
+    /// Reports of the operating system.
+    pub fn write(&self, journal: &mut Journal, folder: &Path) -> Result<Summary, SweepError> {
         let partial = |name: &str| folder.join(format!(".{name}.partial"));
         let create = |name: &str| {
             let path = partial(name);

@@ -97,6 +97,12 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
     /// Force that raises the pantograph, N.
     fn uplift_force(&self) -> f64;
 
+    /// Sets the force that raises the pantograph, N; `false` where that is not possible in motion.
+    fn set_uplift_force(&mut self, force: f64) -> bool {
+        let _ = force;
+        false
+    }
+
     /// Contact force at rest in the reference position, N.
     fn static_force(&self) -> f64;
 

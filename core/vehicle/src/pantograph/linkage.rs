@@ -329,6 +329,11 @@ impl Pantograph for Linkage {
         self.uplift.force.z
     }
 
+    fn set_uplift_force(&mut self, force: f64) -> bool {
+        self.uplift.force.z = force;
+        true
+    }
+
     fn static_force(&self) -> f64 {
         self.static_force
     }

@@ -356,6 +356,14 @@ impl Pantograph for Lumped {
         self.masses.static_force
     }
 
+    fn set_uplift_force(&mut self, force: f64) -> bool {
+        self.masses.static_force = force;
+        for foot in self.elements.iter_mut().filter_map(|element| element.foot.as_mut()) {
+            foot.lift = force;
+        }
+        true
+    }
+
     fn static_force(&self) -> f64 {
         self.reference_force
     }

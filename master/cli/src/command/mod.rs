@@ -39,6 +39,7 @@ use experiments::study::Sweep;
 use fmi2::isolation::IsolationError;
 use results::ResultsError;
 use simulation::SetupError;
+use simulation::paths::scene_name;
 use suppliers::ssp::{self, SspError};
 
 /// Why a command ended without success.
@@ -343,20 +344,6 @@ pub fn nothing_to_set(command: &'static str, common: &Common) -> Result<(), Comm
     }
 }
 
-/// Name of a scene: the file's without extension; the folder's for `scene.toml`, which every result directory has.
-fn scene_name(path: &Path) -> String {
-    let stem = path
-        .file_stem()
-        .map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
-    if stem == "scene" {
-        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        if let Some(folder) = absolute.parent().and_then(Path::file_name) {
-            return folder.to_string_lossy().into_owned();
-        }
-    }
-    stem.into_owned()
-}
-
 /// This program's own stdout, once FMUs have another.
 static OUT: OnceLock<File> = OnceLock::new();
 
@@ -412,15 +399,4 @@ fn interrupted(common: &Common) -> &'static AtomicBool {
         eprintln!("another handler of Ctrl-C is in place");
     }
     &INTERRUPTED
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_scene_is_named_after_its_file_or_its_result_directory() {
-        assert_eq!(scene_name(Path::new("scenes/en50318-250.toml")), "en50318-250");
-        assert_eq!(scene_name(Path::new("results/thesis/scene.toml")), "thesis");
-    }
 }

@@ -1,6 +1,6 @@
 //! `master run`.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use scene::Scene;
@@ -10,6 +10,7 @@ use crate::cli::{Common, DEFAULT_SCENE};
 use cosim::package;
 use results::report::{self, Progress, Show};
 use results::{OutputDirectory, ResultsError};
+use simulation::paths::{real, relative_to};
 use simulation::{FmuSource, Mode, prepare};
 use system::run::Watch;
 
@@ -164,63 +165,4 @@ fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(),
         side.fmu = to.display().to_string();
     }
     Ok(())
-}
-
-/// The scene with the paths of its FMUs relative to `directory`.
-fn relative_to(scene: &Scene, directory: &Path) -> Scene {
-    let mut scene = scene.clone();
-    for side in scene.supplied_sides_mut() {
-        side.fmu = relative(Path::new(&side.fmu), directory).display().to_string();
-    }
-    scene
-}
-
-/// `path` seen from `folder`; as it is where the two have no common root.
-fn relative(path: &Path, folder: &Path) -> PathBuf {
-    let (path, folder) = (real(path), real(folder));
-    let (to, from): (Vec<Component<'_>>, Vec<Component<'_>>) =
-        (path.components().collect(), folder.components().collect());
-    let shared = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
-    if shared == 0 {
-        return path;
-    }
-    let up = std::iter::repeat_n(Component::ParentDir, from.len() - shared);
-    up.chain(to[shared..].iter().copied()).collect()
-}
-
-/// `path` without links and `..`, as far as it exists: the way up from a folder leads where the system says.
-fn real(path: &Path) -> PathBuf {
-    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let found = absolute
-        .ancestors()
-        .find_map(|there| Some((there, there.canonicalize().ok()?)));
-    match found {
-        Some((there, real)) => match absolute.strip_prefix(there) {
-            Ok(rest) if !rest.as_os_str().is_empty() => real.join(rest),
-            _ => real,
-        },
-        None => absolute,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_way_through_another_folder_is_not_kept() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |path: &str| folder.path().join(path);
-        std::fs::create_dir_all(at("results/first")).unwrap();
-        std::fs::write(at("x.fmu"), "").unwrap();
-        let seen = relative(&at("results/first/../../x.fmu"), &at("results/second"));
-        assert_eq!(seen, Path::new("../../x.fmu"));
-    }
-
-    #[test]
-    fn paths_are_seen_from_the_output_directory() {
-        let seen = |path: &str, folder: &str| relative(Path::new(path), Path::new(folder));
-        assert_eq!(seen("/a/vendor/x.fmu", "/a/results/s"), Path::new("../../vendor/x.fmu"));
-        assert_eq!(seen("/a/results/s/x.fmu", "/a/results/s"), Path::new("x.fmu"));
-    }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::run::ModeArgument;
-use super::{CommandError, found, has_extension, interrupted, print, print_json, scene_name, scene_text};
+use super::{CommandError, found, has_extension, interrupted, print, print_json, scene_text};
 use crate::cli::Common;
 use ::sweep::design::Method;
 use ::sweep::{Base, Options, Sweep, SweepError, Wishes, file};
@@ -14,6 +14,7 @@ use experiments::engine::Machine;
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use simulation::Mode;
+use simulation::paths::scene_name;
 
 /// Arguments of `master sweep`.
 #[derive(Debug, Args)]

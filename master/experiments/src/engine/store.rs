@@ -41,7 +41,7 @@ fn files<'a>(paths: impl IntoIterator<Item = &'a Path>) -> String {
 
 /// The program: its version and its own bytes.
 static PROGRAM: LazyLock<String> = LazyLock::new(|| {
-    let program = std::env::current_exe().unwrap_or_default();
+    let program = fmi2::program::file().unwrap_or_default();
     digest(&[env!("CARGO_PKG_VERSION").as_bytes(), files([&*program]).as_bytes()])
 });
 

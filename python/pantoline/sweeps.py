@@ -1,0 +1,136 @@
+"""Many cases of one scene, in one table."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ._pantoline import CaseSweep, RunError
+from ._typed import listed
+from .scene import Scene
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
+
+
+class SweepResult:
+    """Table of a sweep: one row per case and pantograph, in the order of the plan."""
+
+    def __init__(self, path: Path, summary: dict[str, Any]) -> None:
+        #: Folder of the files.
+        self.path = path
+        #: Counts of cases, rows and failures.
+        self.summary = summary
+
+    @property
+    def complete(self) -> bool:
+        """``True`` where every case is finished."""
+        return bool(self.summary["complete"])
+
+    def to_arrow(self) -> pyarrow.Table:
+        """The table in Arrow."""
+        import pyarrow.parquet
+
+        return pyarrow.parquet.read_table(self.path / "sweep.parquet")
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table in pandas, which must be installed."""
+        import pandas
+
+        return pandas.DataFrame(self.to_arrow().to_pandas())
+
+    def to_polars(self) -> polars.DataFrame:
+        """The table in polars, which must be installed."""
+        import polars
+
+        return polars.read_parquet(self.path / "sweep.parquet")
+
+    def __len__(self) -> int:
+        return int(self.summary["rows"])
+
+    def __repr__(self) -> str:
+        return f"<SweepResult {self.path}, {self.summary['finished']} of {self.summary['cases']} cases>"
+
+    def _repr_html_(self) -> str:
+        return str(self.to_pandas().to_html(max_rows=20))
+
+
+def sweep(
+    scene: Scene,
+    vary: Mapping[str, Any],
+    *,
+    out: str | os.PathLike[str],
+    derive: Mapping[str, str] | None = None,
+    where: str | Iterable[str] = (),
+    sample: str | None = None,
+    n: int | None = None,
+    seed: int | None = None,
+    series: bool = False,
+    mode: str = "monolithic",
+    jobs: int | None = None,
+    progress: bool = False,
+    client: Any = None,
+    batch: int | None = None,
+    retries: int = 3,
+) -> SweepResult:
+    """Makes many cases of a scene into one table, as ``master sweep`` does, with the same files.
+
+    A sweep that was ended goes on with the same call; finished cases are kept in ``out``.
+
+    Args:
+        scene: The scene that all cases have in common.
+        vary: Values by key: a list, or a text of the command line, such as ``"200:320:10"`` or ``"normal(110,5)"``.
+        out: Folder for ``sweep.csv``, ``sweep.parquet``, ``sweep.html`` and the journal.
+        derive: Expressions by key, such as ``{"run.duration": "400 / (run.speed_kmh / 3.6)"}``.
+        where: Expressions that must hold for a case.
+        sample: ``"latin"``, ``"sobol"`` or ``"random"`` in place of all combinations.
+        n: Number of samples.
+        seed: Seed of the samples.
+        series: ``True`` to keep the filtered force of every case in ``sweep.parquet``.
+        mode: As for :meth:`Scene.run`.
+        jobs: Cases made side by side; as many as there are cores where nothing is said. With ``client``: side by side
+            within a task.
+        progress: ``True`` for a bar on a terminal.
+        client: A ``dask.distributed.Client``, on whose workers the cases are made; needs ``pantoline[dask]``.
+        batch: Cases of a task, with ``client``.
+        retries: Times that a task is begun again whose worker has gone, with ``client``.
+
+    Raises:
+        SceneError: A scene, or a value of a key, that is refused.
+        SweepError: A wish that is refused.
+        RunError: A sweep that has not reached its end; what is finished is kept.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+    if jobs is None:
+        jobs = cores if client is None else 1
+    wishes: dict[str, Any] = {
+        "vary": [f"{key}={listed(values)}" for key, values in vary.items()],
+        "derive": [f"{key}={expression}" for key, expression in (derive or {}).items()],
+        "where_": [where] if isinstance(where, str) else list(where),
+        "sample": sample,
+        "count": n,
+        "seed": seed,
+        "series": series,
+        "mode": mode,
+        "jobs": jobs,
+    }
+    cases = CaseSweep(scene._source, **wishes, files={})
+    folder = Path(out)
+    if client is None:
+        summary = json.loads(cases.run(folder, progress))
+    else:
+        from ._cluster import on_cluster
+
+        summary = on_cluster(client, scene, cases, wishes, folder, batch, retries)
+    result = SweepResult(folder, summary)
+    if not result.complete:
+        finished, all_cases = summary["finished"], summary["cases"]
+        error = RunError(f"{finished} of {all_cases} cases are finished; the same call goes on from there")
+        error.result = result  # type: ignore[attr-defined]
+        raise error
+    return result

@@ -1,0 +1,55 @@
+//! The Python package: scenes, runs, steps and sweeps for Python.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `scene` | a scene with the keys set in it |
+//! | `result` | a run that has ended |
+//! | `simulation` | one system step by step, and its kept states |
+//! | `sweep` | many cases of one scene, whole or in batches |
+//! | `interruption` | work without the lock of the interpreter, ended by Ctrl-C |
+//! | `error` | exceptions |
+//! | `value` | values of a scene as Python has them |
+//!
+//! The classes here are the small ones under those of the package `pantoline`, which has names, units, tables and
+//! plots. No physics and no formula is in this crate.
+
+#![forbid(unsafe_code)]
+
+mod error;
+mod interruption;
+mod result;
+mod scene;
+mod simulation;
+mod sweep;
+mod value;
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+
+/// Names the program that the package carries; libraries of FMUs are beside it.
+#[pyfunction]
+fn set_program(file: PathBuf) {
+    fmi2::program::stand_in(file);
+}
+
+/// The extension module.
+#[pymodule]
+mod _pantoline {
+    #[pymodule_export]
+    use super::error::{RunError, SceneError, SweepError};
+    #[pymodule_export]
+    use super::result::RunResult;
+    #[pymodule_export]
+    use super::scene::SceneSource;
+    #[pymodule_export]
+    use super::set_program;
+    #[pymodule_export]
+    use super::simulation::{Checkpoint, Stepper};
+    #[pymodule_export]
+    use super::sweep::CaseSweep;
+
+    /// Version of the package.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,160 @@
+//! One system step by step, and its kept states.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use system::one_system::stepped::{SteppedError, SteppedState, SteppedSystem};
+
+use crate::error::{of_setup, of_step};
+use crate::interruption::interruptible;
+use crate::scene::SceneSource;
+
+/// Steps between two requests to the interpreter for signals.
+const STEPS: u64 = 64;
+
+/// A kept state of a simulation; never changed.
+#[pyclass(frozen, module = "pantoline._pantoline")]
+pub struct Checkpoint {
+    state: SteppedState,
+}
+
+#[pymethods]
+impl Checkpoint {
+    /// A state from its bytes.
+    #[new]
+    fn new(bytes: &[u8]) -> PyResult<Self> {
+        let state = postcard::from_bytes(bytes);
+        let state = state.map_err(|_| PyValueError::new_err("not the bytes of a kept state"))?;
+        Ok(Self { state })
+    }
+
+    /// Bytes that another process of the same version reads back to the same state.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = postcard::to_allocvec(&self.state);
+        let bytes = bytes.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>,)> {
+        Ok((self.to_bytes(py)?,))
+    }
+}
+
+/// Line and pantographs as one system that is advanced from outside.
+#[pyclass(frozen, module = "pantoline._pantoline")]
+pub struct Stepper {
+    system: Mutex<SteppedSystem>,
+}
+
+impl Stepper {
+    fn system(&self) -> MutexGuard<'_, SteppedSystem> {
+        self.system.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn with<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut SteppedSystem) -> T + Send) -> T {
+        py.detach(|| work(&mut self.system()))
+    }
+
+    /// Place of a signal among all.
+    fn place(&self, py: Python<'_>, name: &str) -> PyResult<usize> {
+        let place = |system: &mut SteppedSystem| system.signals().iter().position(|signal| signal.name == name);
+        self.with(py, place).ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+    }
+}
+
+#[pymethods]
+impl Stepper {
+    /// The scene at its start.
+    #[new]
+    fn new(py: Python<'_>, scene: &SceneSource) -> PyResult<Self> {
+        let resolved = scene
+            .base()
+            .scene(&[])
+            .map_err(|error| crate::error::of_scene(&error))?;
+        let made = interruptible(py, |_| scene.prepared(resolved).and_then(|prepared| prepared.stepped()))?;
+        let system = Mutex::new(made.map_err(|error| of_setup(&error, &scene.origin))?);
+        Ok(Self { system })
+    }
+
+    /// Time, s.
+    fn time(&self, py: Python<'_>) -> f64 {
+        self.with(py, |system| system.time())
+    }
+
+    /// Length of a step, s.
+    fn step_length(&self, py: Python<'_>) -> f64 {
+        self.with(py, |system| system.macro_step())
+    }
+
+    /// Steps left until the end of the run.
+    fn steps_left(&self, py: Python<'_>) -> u64 {
+        self.with(py, |system| system.steps_left())
+    }
+
+    /// Makes steps.
+    fn step(&self, py: Python<'_>, count: u64) -> PyResult<()> {
+        let mut left = count;
+        while left > 0 {
+            let steps = left.min(STEPS);
+            let advance = |system: &mut SteppedSystem| (0..steps).try_for_each(|_| system.advance());
+            self.with(py, advance).map_err(|error| of_step(&error))?;
+            left -= steps;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// Goes back to the start.
+    fn reset(&self, py: Python<'_>) -> PyResult<()> {
+        self.with(py, SteppedSystem::reset).map_err(|error| of_step(&error))
+    }
+
+    /// Keeps the present state.
+    fn save(&self, py: Python<'_>) -> Checkpoint {
+        let state = self.with(py, |system| {
+            let mut state = SteppedState::default();
+            system.save(&mut state);
+            state
+        });
+        Checkpoint { state }
+    }
+
+    /// Goes to a kept state.
+    fn restore(&self, py: Python<'_>, checkpoint: &Checkpoint) -> PyResult<()> {
+        let restored: Result<(), SteppedError> = self.with(py, |system| system.restore(&checkpoint.state));
+        restored.map_err(|error| of_step(&error))
+    }
+
+    /// Name, unit, description of each signal, and `true` where it can be set.
+    fn signals(&self, py: Python<'_>) -> Vec<(String, &'static str, String, bool)> {
+        self.with(py, |system| {
+            let signals = system.signals().iter();
+            let entry = signals.map(|one| (one.name.clone(), one.unit, one.description.clone(), one.settable));
+            entry.collect()
+        })
+    }
+
+    /// Value of a signal.
+    fn get(&self, py: Python<'_>, name: &str) -> PyResult<f64> {
+        let place = self.place(py, name)?;
+        Ok(self.with(py, |system| system.value(place)))
+    }
+
+    /// Sets a signal.
+    fn set(&self, py: Python<'_>, name: &str, value: f64) -> PyResult<()> {
+        let place = self.place(py, name)?;
+        let settable = self.with(py, |system| system.signals()[place].settable);
+        if !settable {
+            return Err(PyValueError::new_err(format!("{name}: cannot be set, only read")));
+        }
+        if !value.is_finite() {
+            return Err(PyValueError::new_err(format!(
+                "{name} = {value}: must be a finite number"
+            )));
+        }
+        self.with(py, |system| system.set(place, value));
+        Ok(())
+    }
+}
