@@ -73,9 +73,20 @@ impl Catenary {
             let expected = "must be left out: stitch wires are of cable elements";
             refuse(found, "catenary.stitch_wires.beam", "{ … }", expected);
         }
-        if self.messenger_wire.is_none() {
-            let because = "there is no messenger_wire to clamp them to".to_owned();
-            found.push(("catenary.stitch_wires".to_owned(), What::LeaveOut { because }));
+        match &self.messenger_wire {
+            None => {
+                let because = "there is no messenger_wire to clamp them to".to_owned();
+                found.push(("catenary.stitch_wires".to_owned(), What::LeaveOut { because }));
+            }
+            Some(messenger) if stitch.wire.tension >= messenger.tension => {
+                let expected = format!(
+                    "must be below catenary.messenger_wire.tension = {} N, which it is taken off between the clamps",
+                    messenger.tension
+                );
+                let value = shown_number(stitch.wire.tension, "N");
+                refuse(found, "catenary.stitch_wires.tension", value, expected);
+            }
+            Some(_) => {}
         }
     }
 

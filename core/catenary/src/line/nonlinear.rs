@@ -61,6 +61,7 @@ fn shifted(geometry: &WireGeometry, first: usize) -> WireGeometry {
         ..*enrichment
     });
     WireGeometry::new(nodes.collect(), geometry.lengths().to_vec(), enrichments.collect())
+        .with_tension_shares(geometry.tension_shares().to_vec())
 }
 
 /// A dropper in a picture of the line.

@@ -407,6 +407,30 @@ impl Topology {
         Some(self.wires.len() - 1)
     }
 
+    /// Static tension of each element of a wire in units of the nominal one, –, to first order; empty where all have
+    /// the nominal one. A stitch wire takes its own tension off the messenger wire between its clamps.
+    pub(crate) fn tension_shares(&self, wire: usize) -> Vec<f64> {
+        let tension = self.wires[wire].parameters.tension;
+        let mut shares = Vec::new();
+        for stitch_wire in &self.wires {
+            let EndsOfWire::Clamped(clamps) = stitch_wire.ends else {
+                continue;
+            };
+            if !clamps.iter().flatten().any(|clamp| clamp.wire == wire) {
+                continue;
+            }
+            // Beyond a cut the wire goes on.
+            let elements = self.wires[wire].last();
+            let [from, to] =
+                [(clamps[0], 0), (clamps[1], elements)].map(|(clamp, cut)| clamp.map_or(cut, |at| at.node));
+            shares.resize(elements, 1.0);
+            for share in &mut shares[from..to] {
+                *share -= stitch_wire.parameters.tension / tension;
+            }
+        }
+        shares
+    }
+
     /// Node of a wire next to `x`, m.
     fn node_at(&self, wire: usize, x: f64) -> NodeOfWire {
         let nodes = &self.wires[wire].x;

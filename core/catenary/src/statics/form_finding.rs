@@ -268,6 +268,7 @@ pub(super) fn guess(
     });
     let lengths = chords.iter().map(|chord| chord.norm());
     WireGeometry::new(nodes.collect(), lengths.collect(), layers(&planned.parameters, wire))
+        .with_tension_shares(topology.tension_shares(number))
 }
 
 fn dropper_lengths(

@@ -20,6 +20,8 @@ pub struct WireGeometry {
     enrichments: Vec<Enrichment>,
     /// The enrichments of node `i` are `first_enrichment[i] .. first_enrichment[i + 1]`.
     first_enrichment: Vec<usize>,
+    /// Static tension of each element in units of the nominal one, –; empty where all have the nominal one.
+    tension_shares: Vec<f64>,
 }
 
 /// A point of a wire, with its element.
@@ -80,7 +82,24 @@ impl WireGeometry {
             starts,
             enrichments,
             first_enrichment,
+            tension_shares: Vec::new(),
         }
+    }
+
+    /// Wire with these static tensions of its elements in units of the nominal one, –; empty for the nominal one.
+    ///
+    /// # Panics
+    /// When the numbers do not fit.
+    #[must_use]
+    pub fn with_tension_shares(self, tension_shares: Vec<f64>) -> Self {
+        assert!(tension_shares.is_empty() || tension_shares.len() == self.lengths.len());
+        Self { tension_shares, ..self }
+    }
+
+    /// Static tensions of the elements, as in [`WireGeometry::with_tension_shares`].
+    #[must_use]
+    pub fn tension_shares(&self) -> &[f64] {
+        &self.tension_shares
     }
 
     /// A straight wire from `start` along the unit vector `direction`; `map` gives the coordinates of each node.

@@ -6,7 +6,7 @@ use dynamics::{Blocks, Motion};
 use nalgebra::{Vector3, Vector4};
 use std::ops::Range;
 
-/// Contribution of all enrichments of a wire, linearised at the nominal tension:
+/// Contribution of all enrichments of a wire, linearised at the static tension `T` of each element:
 ///
 /// ```text
 /// U = Σ a kᵀ (d·e) + ½ a² K,   k = ∫ T ψ,ₓ s,ₓ + EI ψ,ₓₓ s,ₓₓ dx,   K = ∫ T ψ,ₓ² + EI ψ,ₓₓ² dx
@@ -105,14 +105,18 @@ impl Layers {
         for (element, &length) in geometry.lengths().iter().enumerate() {
             let reference = geometry.local_reference(element);
             let here: Vec<_> = geometry.layers(element).collect();
+            let tension_share = geometry.tension_shares().get(element).copied().unwrap_or(1.0);
             for (i, (enrichment, end)) in here.iter().enumerate() {
+                let mut integrals = LayerIntegrals::new(*end, enrichment.bending_length, length);
+                integrals.shape.tension *= tension_share;
+                integrals.own.tension *= tension_share;
                 layers.push(ElementLayer {
                     element,
                     index: enrichment.index,
                     reference: enrichment.reference,
                     direction: enrichment.direction,
                     element_reference: Vector4::from_fn(|j, _| reference[j].dot(&enrichment.direction)),
-                    integrals: LayerIntegrals::new(*end, enrichment.bending_length, length),
+                    integrals,
                 });
                 for (other, other_end) in &here[i + 1..] {
                     let ends = (*end, *other_end);
@@ -124,7 +128,7 @@ impl Layers {
                         references: [enrichment.reference, other.reference],
                         products: Products {
                             mass: cosine * products.mass,
-                            tension: cosine * products.tension,
+                            tension: cosine * tension_share * products.tension,
                             bending: cosine * products.bending,
                         },
                     });

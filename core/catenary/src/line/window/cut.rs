@@ -94,7 +94,7 @@ impl Source<'_> {
             .iter()
             .zip(&self.equilibrium.dropper_lengths)
             .filter(|(place, _)| spans.contains(&(place.span - 1)));
-        let wire = |((number, nodes), coordinates): (&(usize, Range<usize>), &WireCoordinates)| {
+        let wire = |(own, ((number, nodes), coordinates)): (usize, (&(usize, Range<usize>), &WireCoordinates))| {
             let geometry = &self.equilibrium.wires[*number];
             let cut = geometry.nodes()[nodes.clone()].iter().zip(&coordinates.nodes);
             let cut = cut.map(|(node, &map)| WireNode {
@@ -116,14 +116,14 @@ impl Source<'_> {
                         ..layer
                     }
                 });
-            WireGeometry::new(cut.collect(), lengths, layers.collect())
+            WireGeometry::new(cut.collect(), lengths, layers.collect()).with_tension_shares(part.tension_shares(own))
         };
         // Reactions stand at inner supports, in the order of the supports.
         let inner = |reactions: &[Vector3<f64>], per_support: usize| {
             reactions[spans.start * per_support..(spans.end - 1) * per_support].to_vec()
         };
         Equilibrium {
-            wires: origins.iter().zip(coordinates).map(wire).collect(),
+            wires: origins.iter().zip(coordinates).enumerate().map(wire).collect(),
             // Empty: windows are cut from lines of cables only.
             directors: Vec::new(),
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),
