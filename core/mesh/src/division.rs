@@ -1,7 +1,8 @@
 //! Elements and micro step for an error that is asked for.
 
-use scene::{Catenary, Correction, Division, MeshChoice, Scene, What, shown_number};
+use scene::{Catenary, Correction, Division, MeshChoice, Open, Scene, What, shown_number};
 
+use super::accuracy;
 use super::corrections::choose_corrections;
 use super::error_model::expected_error;
 
@@ -15,38 +16,85 @@ const MOST_ELEMENTS: usize = 100;
 
 /// Elements, corrections and micro step for an error.
 #[derive(Clone, Debug, PartialEq)]
-struct Choice {
+pub(crate) struct Choice {
     division: Division,
     corrections: Vec<Correction>,
     micro_step: f64,
+    /// Elements of a span per second of internal steps, 1/s.
+    pub(crate) cost: f64,
 }
 
-/// Chooses what a scene leaves open of its mesh; does nothing where all is given or the line is a supplied one.
+/// What a search for a mesh may change, and what it is for.
+pub(crate) struct Search<'a> {
+    /// Largest error, %.
+    pub(crate) percent: f64,
+    /// Expected error of a scene, %; `Err` says for what no rule is known.
+    pub(crate) error: &'a dyn Fn(&Scene) -> Result<f64, String>,
+    /// True where elements and corrections are given.
+    pub(crate) mesh_is_given: bool,
+    /// True where the micro step is given.
+    pub(crate) micro_step_is_given: bool,
+    /// True where every micro step is a macro step of its own.
+    pub(crate) macro_step_follows: bool,
+}
+
+impl Choice {
+    /// Writes the choice into a scene.
+    pub(crate) fn apply(&self, scene: &mut Scene, search: &Search<'_>) {
+        scene.solver.micro_step = self.micro_step;
+        if search.macro_step_follows {
+            scene.coupling.macro_step = self.micro_step;
+        }
+        if let Some(mesh) = scene.mesh_mut() {
+            mesh.division = self.division;
+            mesh.corrections.clone_from(&self.corrections);
+        }
+    }
+}
+
+/// Chooses what a scene leaves open of its mesh and to `run.accuracy_percent`; does nothing where all is given or the
+/// line is a supplied one.
 ///
 /// # Errors
 /// The key and why no mesh can be chosen.
 pub fn resolve(scene: &mut Scene) -> Result<(), (String, What)> {
+    let mut wish = scene.run.accuracy.filter(|wish| wish.open != Open::default());
     let Some(choice) = scene.mesh_mut().map(|mesh| mesh.choice) else {
-        return Ok(());
+        let because = "no rule knows the errors of a line that is a supplied FMU".to_owned();
+        return match wish {
+            Some(_) => Err(("run.accuracy_percent".to_owned(), What::LeaveOut { because })),
+            None => Ok(()),
+        };
     };
     match choice {
-        MeshChoice::Given => return Ok(()),
+        MeshChoice::Given => {}
         MeshChoice::Corrections => choose_corrections(scene),
+        MeshChoice::Error { .. } if wish.is_some_and(|wish| wish.open.mesh) => {}
         MeshChoice::Error {
             percent,
             choose_micro_step,
         } => {
-            let chosen = mesh_for(scene, percent, !choose_micro_step).map_err(|expected| {
+            let search = Search {
+                percent,
+                error: &|scene| Ok(expected_error(scene)?.total()),
+                mesh_is_given: false,
+                micro_step_is_given: !choose_micro_step,
+                macro_step_follows: false,
+            };
+            let chosen = mesh_for(scene, &search).map_err(|expected| {
                 let value = shown_number(percent, "%");
                 let key = "catenary.mesh.error_percent".to_owned();
                 (key, What::Refused { value, expected })
             })?;
-            scene.solver.micro_step = chosen.micro_step;
-            if let Some(mesh) = scene.mesh_mut() {
-                mesh.division = chosen.division;
-                mesh.corrections = chosen.corrections;
+            chosen.apply(scene, &search);
+            if let Some(wish) = &mut wish {
+                wish.open.micro_step = false;
+                wish.open.macro_step = false;
             }
         }
+    }
+    if let Some(wish) = wish {
+        accuracy::choose(scene, wish)?;
     }
     if let Some(mesh) = scene.mesh_mut() {
         mesh.choice = MeshChoice::Given;
@@ -68,62 +116,68 @@ pub fn evenly_divided(catenary: &Catenary, count: usize) -> Division {
     }
 }
 
-/// The cheapest mesh and step of those that the rule knows whose error is at most `error` %; `Err` says why there is
-/// none.
-fn mesh_for(scene: &Scene, error: f64, micro_step_is_given: bool) -> Result<Choice, String> {
+/// The cheapest mesh and step of those that the rule knows whose error is small enough; `Err` says why there is none.
+pub(crate) fn mesh_for(scene: &Scene, search: &Search<'_>) -> Result<Choice, String> {
     let no_rule =
         |of: String| format!("no rule is known for {of}; give elements_per_interval or element_length instead");
     let line = scene.modelled_line().ok_or("a line that is a supplied FMU");
     let (catenary, _) = line.map_err(|of| no_rule(of.to_owned()))?;
-    expected_error(scene).map_err(no_rule)?;
+    (search.error)(scene).map_err(no_rule)?;
     // The longest element makes the error: what is shorter costs for nothing.
-    let divisions: Vec<Division> = (1..=MOST_ELEMENTS)
-        .map(|count| evenly_divided(catenary, count))
-        .collect();
-    let mut best: Option<(f64, Choice)> = None;
+    let divisions: Vec<Division> = match search.mesh_is_given {
+        true => vec![catenary.mesh.division],
+        false => (1..=MOST_ELEMENTS)
+            .map(|count| evenly_divided(catenary, count))
+            .collect(),
+    };
+    let mut best: Option<Choice> = None;
     let mut trial = scene.clone();
-    let steps = if micro_step_is_given {
+    let steps = if search.micro_step_is_given {
         vec![scene.solver.micro_step]
+    } else if search.macro_step_follows {
+        STEPS.to_vec()
     } else {
         steps_to_choose_from(scene)
     };
     let mut least = f64::INFINITY;
     for micro_step in steps {
         trial.solver.micro_step = micro_step;
+        if search.macro_step_follows {
+            trial.coupling.macro_step = micro_step;
+        }
         let cost = |division: Division| catenary.elements_per_span(division) as f64 / micro_step;
         // Shorter steps cost more at the same elements.
-        if best.as_ref().is_some_and(|(other, _)| cost(divisions[0]) >= *other) {
+        if best.as_ref().is_some_and(|other| cost(divisions[0]) >= other.cost) {
             break;
         }
         for division in &divisions {
-            if let Some(mesh) = trial.mesh_mut() {
-                mesh.division = *division;
+            if !search.mesh_is_given {
+                if let Some(mesh) = trial.mesh_mut() {
+                    mesh.division = *division;
+                }
+                choose_corrections(&mut trial);
             }
-            choose_corrections(&mut trial);
-            let expected = expected_error(&trial).map_err(no_rule)?;
-            least = least.min(expected.total());
-            if expected.total() > error {
+            let expected = (search.error)(&trial).map_err(no_rule)?;
+            least = least.min(expected);
+            if expected > search.percent {
                 continue;
             }
             let cost = cost(*division);
-            let cheaper = best.as_ref().is_none_or(|(other, _)| cost < other * (1.0 - 1e-9));
-            if cheaper {
-                let corrections = trial.corrections().to_vec();
-                let choice = Choice {
+            if best.as_ref().is_none_or(|other| cost < other.cost * (1.0 - 1e-9)) {
+                best = Some(Choice {
                     division: *division,
-                    corrections,
+                    corrections: trial.corrections().to_vec(),
                     micro_step,
-                };
-                best = Some((cost, choice));
+                    cost,
+                });
             }
             // More elements cost more at the same step.
             break;
         }
     }
-    best.map(|(_, choice)| choice).ok_or_else(|| {
-        let step = 1e3 * scene.solver.micro_step;
-        let with = if micro_step_is_given {
-            format!(" with solver.micro_step = {step} ms")
+    best.ok_or_else(|| {
+        let with = if search.micro_step_is_given {
+            format!(" with solver.micro_step = {} ms", 1e3 * scene.solver.micro_step)
         } else {
             String::new()
         };

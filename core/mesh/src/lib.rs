@@ -1,20 +1,26 @@
-//! The mesh of a line: what a scene leaves to be chosen of it, and what error it makes.
+//! The mesh of a line, its steps and reductions: what a scene leaves to be chosen, and what error they make.
 //!
 //! | file | subject |
 //! | --- | --- |
 //! | `division` | elements and micro step for an error |
 //! | `corrections` | which corrections a line can have |
 //! | `error_model` | the expected error of mesh and time step |
+//! | `error_shares` | expected errors of all causes |
+//! | `accuracy` | mesh, steps, tolerance and reductions for one sum of errors |
 
 #![forbid(unsafe_code)]
 
+mod accuracy;
 mod corrections;
 mod division;
 mod error_model;
+mod error_shares;
 
+pub use accuracy::cost_of_whole_line;
 pub use corrections::{CorrectedSteps, contradictions, corrected_steps, corrections_left_out, impossible_corrections};
 pub use division::{evenly_divided, resolve};
 pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
+pub use error_shares::{ErrorShare, error_shares, sum};
 
 use scene::{Files, Scene, SceneError, SceneFile, What};
 

@@ -239,13 +239,10 @@ impl Keys<'_> {
         matches!(&self.side, Side::Read { table, .. } if table.has(path))
     }
 
-    /// Takes a key out of a table of this one that is already written.
-    pub(crate) fn leave_unwritten(&mut self, table: &str, key: &str) {
-        if let Side::Write(all) = &mut self.side
-            && let Some((_, node)) = all.entries.iter_mut().find(|(name, _)| name == table)
-            && let Value::Table(inner) = &mut node.value
-        {
-            inner.entries.retain(|(name, _)| name != key);
+    /// Takes out a key with this path below the table that is already written.
+    pub(crate) fn leave_unwritten(&mut self, path: &str) {
+        if let Side::Write(all) = &mut self.side {
+            all.take_at(path);
         }
     }
 

@@ -31,6 +31,7 @@
 //!   University of Illinois at Chicago, 2016.
 #![forbid(unsafe_code)]
 
+mod accuracy;
 mod catenary;
 mod check;
 mod check_line;
@@ -73,6 +74,7 @@ mod vehicle;
 mod wind;
 mod write;
 
+pub use accuracy::{Accuracy, Open};
 pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds, WireKind};
 pub use check::Found;
 pub use contact::{Contact, ContactLaw};

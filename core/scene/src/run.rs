@@ -1,9 +1,11 @@
 //! `[run]`: what is driven, for how long, and what is evaluated.
 
 use crate::MAX_SPANS;
+use crate::accuracy::Accuracy;
 use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
+use crate::mesh::LEAST_ERROR;
 
 /// `[run]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +30,9 @@ pub struct Run {
     /// Power supply of the line: no part of the motion, only of the limits of standards that a run is held against;
     /// without it those that depend on it are not applied.
     pub electrification: Option<Electrification>,
+    /// Error of the filtered force that mesh, steps, tolerance and reductions are chosen for; `accuracy_percent` in the
+    /// file.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// `run.evaluate`: the range that statistics are taken over.
@@ -118,6 +123,11 @@ impl Entry for Run {
             "electrification",
             "Power supply [EN 50163] that limits of standards depend on; without it such limits are not applied.",
         ),
+        (
+            "accuracy_percent",
+            "Largest sum of expected errors of the filtered force, in percent of its standard deviation: mesh, steps, \
+             tolerance and reductions that are left out are chosen for it together.",
+        ),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -143,8 +153,27 @@ impl Entry for Run {
             ),
             allow_supercritical: keys.flag("allow_supercritical", was.map(|run| run.allow_supercritical), false),
             electrification: keys.optional_word("electrification", was.map(|run| run.electrification)),
+            accuracy: accuracy(keys, was.map(|run| run.accuracy)),
         }
     }
+}
+
+/// Largest `accuracy_percent`: beyond, rules of errors are far off.
+const MOST_ERROR: f64 = 10.0;
+/// `accuracy_percent`.
+const ACCURACY: Number = Number::positive("%").at_least(LEAST_ERROR).at_most(MOST_ERROR);
+
+/// Reads or writes `accuracy_percent`; what it leaves open is told by other keys.
+fn accuracy(keys: &mut Keys, was: Option<Option<Accuracy>>) -> Option<Accuracy> {
+    const KEY: &str = "accuracy_percent";
+    let typed = was.map(|wish| wish.map(|wish| wish.percent));
+    let percent = keys.optional_number(KEY, typed, ACCURACY)?;
+    if percent > 0.0 && !(LEAST_ERROR..=MOST_ERROR).contains(&percent) {
+        let expected = format!("must be between {LEAST_ERROR} and {MOST_ERROR} %, for which errors are known by rule");
+        keys.refuse(KEY, expected);
+    }
+    let open = was.flatten().map(|wish| wish.open).unwrap_or_default();
+    Some(Accuracy { percent, open })
 }
 
 /// km/h in one m/s.

@@ -1,5 +1,6 @@
 //! The whole scene.
 
+use crate::accuracy::left_open;
 use crate::check::Found;
 use crate::error::{SceneError, What};
 use crate::expand::{FILE_KEYS, apply_rules, take_files};
@@ -87,7 +88,11 @@ impl<'a> SceneFile<'a> {
         agree(take_files(&mut root, files))?;
         agree(override_with(&mut root, overrides, |text| !of_files(text)))?;
         agree(apply_rules(&mut root))?;
-        let scene = read(&root, sources)?;
+        let open = left_open(&mut root);
+        let mut scene: Scene = read(&root, sources)?;
+        if let Some(accuracy) = &mut scene.run.accuracy {
+            accuracy.open = open;
+        }
         Ok(Self { scene, root, sources })
     }
 
@@ -394,7 +399,20 @@ impl Entry for Scene {
             if was.is_none() {
                 *choose_micro_step = !step_is_given;
             } else if *choose_micro_step {
-                keys.leave_unwritten("solver", "micro_step");
+                keys.leave_unwritten("solver.micro_step");
+            }
+        }
+        if let Some(open) = was.and_then(|scene| scene.run.accuracy).map(|wish| wish.open) {
+            for (is_open, path) in [
+                (open.mesh, "catenary.mesh.error_percent"),
+                (open.micro_step, "solver.micro_step"),
+                (open.macro_step, "coupling.macro_step"),
+                (open.newton_tolerance, "solver.newton_tolerance"),
+                (open.reductions, "model.reduce"),
+            ] {
+                if is_open {
+                    keys.leave_unwritten(path);
+                }
             }
         }
         scene.choose_reductions();

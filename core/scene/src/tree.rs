@@ -142,17 +142,27 @@ impl Table {
         self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
-    /// True where the key with a path such as `solver.micro_step` was typed, in tables alone.
+    /// The node with a path such as `solver.micro_step`, in tables alone.
+    pub(crate) fn node_at(&self, path: &str) -> Option<&Node> {
+        let (above, key) = path.rsplit_once('.').unwrap_or(("", path));
+        let mut tables = above.split('.').filter(|key| !key.is_empty());
+        let table = tables.try_fold(self, |table, key| match &table.node(key)?.value {
+            Value::Table(inner) => Some(inner),
+            _ => None,
+        });
+        table?.node(key)
+    }
+
+    /// Takes the node with such a path out.
+    pub(crate) fn take_at(&mut self, path: &str) -> Option<Node> {
+        let (above, key) = path.rsplit_once('.').unwrap_or(("", path));
+        let mut tables = above.split('.').filter(|key| !key.is_empty());
+        tables.try_fold(self, |table, key| table.table_mut(key))?.take(key)
+    }
+
+    /// True where the key with such a path was typed.
     pub(crate) fn has(&self, path: &str) -> bool {
-        let mut table = Some(self);
-        path.split('.').all(|key| {
-            let node = table.and_then(|table| table.node(key));
-            table = node.and_then(|node| match &node.value {
-                Value::Table(inner) => Some(inner),
-                _ => None,
-            });
-            node.is_some()
-        })
+        self.node_at(path).is_some()
     }
 
     /// Place of the key with a path such as `pantograph[1].masses[2]`, or else of the nearest table above.

@@ -31,6 +31,6 @@ pub use error::ResultsError;
 pub use record::{LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, WindRecord};
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
-    ContactForceSummary, Cost, Coupling, Evaluation, Model, PantographSummary, Part, RunInfo, StripSummary, Summary,
-    Uplift,
+    Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,
+    StepTimes, StripSummary, Summary, Uplift,
 };

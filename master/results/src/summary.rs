@@ -33,6 +33,8 @@ pub struct RunInfo {
     pub coupling: Coupling,
     /// The model.
     pub model: Model,
+    /// Expected error.
+    pub accuracy: Accuracy,
     /// Cost of the run.
     pub cost: Cost,
     /// Free remarks.
@@ -96,6 +98,31 @@ pub struct Part {
     pub reason: String,
 }
 
+/// Expected error of the filtered contact force, in percent of its standard deviation, cause by cause.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Accuracy {
+    /// `run.accuracy_percent`, where it is given.
+    pub asked_percent: Option<f64>,
+    /// Sum of the shares; none where no rule is known.
+    pub expected_percent: Option<f64>,
+    /// Shares by cause.
+    pub shares: Vec<ErrorShare>,
+    /// Why no rule is known; empty where one is.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub without_rule: String,
+    /// Cost of the nonlinear whole line beside that of the line as it is reduced, on the same mesh and step, –.
+    pub cost_of_whole_line: Option<f64>,
+}
+
+/// One share of an expected error.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorShare {
+    /// `mesh`, `step`, a reduction, `newton_tolerance` or `coupling`.
+    pub cause: String,
+    /// %.
+    pub percent: f64,
+}
+
 /// Cost of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
@@ -129,9 +156,27 @@ pub struct Cost {
     /// See above.
     #[serde(default)]
     pub mean_macro_step_s: Option<f64>,
+    /// Wall times of macro steps.
+    #[serde(default)]
+    pub step_times: StepTimes,
     /// Shares of `wall_s`; empty where they were not measured.
     #[serde(default)]
     pub shares: Vec<Share>,
+}
+
+/// Percentiles of the wall times of macro steps, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepTimes {
+    /// Median.
+    pub p50_s: f64,
+    /// 99 %.
+    pub p99_s: f64,
+    /// 99.9 %.
+    pub p99_9_s: f64,
+    /// 99.99 %.
+    pub p99_99_s: f64,
+    /// Longest.
+    pub longest_s: f64,
 }
 
 /// The summary of a run.
@@ -164,6 +209,9 @@ pub struct Summary {
     pub limits: Vec<Limit>,
     /// The model.
     pub model: Model,
+    /// Expected error.
+    #[serde(default)]
+    pub accuracy: Accuracy,
     /// Cost of the run.
     pub cost: Cost,
     /// Free remarks.
@@ -300,6 +348,7 @@ impl Summary {
             coupling: info.coupling.clone(),
             limits,
             model: info.model.clone(),
+            accuracy: info.accuracy.clone(),
             cost: info.cost.clone(),
             notes,
         }

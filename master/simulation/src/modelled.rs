@@ -4,8 +4,7 @@ use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, Lumped, PantographModel, Reduction, Start};
 
 use crate::Prepared;
-use crate::sliding_joint;
-use crate::{mesh, rest_position};
+use crate::{accuracy, mesh, rest_position, sliding_joint};
 use results::{Model, Part};
 use suppliers::settling::{self, Settling};
 
@@ -98,6 +97,7 @@ impl Prepared {
     pub fn notes(&self, step: f64) -> Vec<String> {
         let mut notes = self.scene.questions();
         notes.extend(mesh::expected_error(&self.scene, step));
+        notes.extend(accuracy::remark(&self.scene));
         notes.extend(rest_position::warnings(self));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {

@@ -5,7 +5,7 @@ use super::plots::COLOURS;
 use super::table::{MARKS, bounded, number, quantity_name, readable, shares, verdict};
 use super::{escape, remarks};
 use crate::statistics::ForceStatistics;
-use crate::{RunBundle, Summary};
+use crate::{Accuracy, RunBundle, Summary};
 
 /// Title of the page.
 pub(super) fn title(runs: &[RunBundle]) -> String {
@@ -276,6 +276,7 @@ pub(super) fn model(runs: &[NamedRun<'_>]) -> String {
             ));
         }
         html.push_str("</tbody></table></div>\n");
+        html.push_str(&accuracy(&s.accuracy));
         if !s.source.is_empty() {
             html.push_str(&format!(
                 "<p class=\"caption\">Source of the scene: {}</p>\n",
@@ -284,6 +285,27 @@ pub(super) fn model(runs: &[NamedRun<'_>]) -> String {
         }
     }
     html
+}
+
+/// Expected error, cause by cause.
+fn accuracy(accuracy: &Accuracy) -> String {
+    let Some(sum) = accuracy.expected_percent else {
+        return String::new();
+    };
+    let asked = (accuracy.asked_percent).map_or_else(String::new, |asked| format!(", {asked} % asked for"));
+    let causes: Vec<String> = (accuracy.shares.iter())
+        .map(|share| format!("{} {:.2}", escape(&share.cause.replace('_', " ")), share.percent))
+        .collect();
+    let whole = (accuracy.cost_of_whole_line)
+        .filter(|cost| *cost > 1.05)
+        .map_or_else(String::new, |cost| {
+            format!(" The nonlinear whole line on this mesh and step takes about {cost:.1} times as long.")
+        });
+    format!(
+        "<p>Expected error of the filtered force: <b>{sum:.2} %</b> of its standard deviation{asked}. \
+         <span class=\"soft\">By cause, in %: {}.{whole}</span></p>\n",
+        causes.join(", ")
+    )
 }
 
 /// Cost of the runs.

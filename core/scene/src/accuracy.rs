@@ -1,0 +1,106 @@
+//! `run.accuracy_percent`: mesh, steps, tolerance and reductions that a scene leaves to one wish.
+
+use crate::mesh::DEFAULT_ERROR;
+use crate::tree::{At, Node, Table, Value};
+
+/// `run.accuracy_percent`, with what is still to be chosen by it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Largest sum of expected errors of the filtered force, % of its standard deviation.
+    pub percent: f64,
+    /// Choices left to it.
+    pub open: Open,
+}
+
+/// Choices that a scene leaves to `run.accuracy_percent`; until they are made nothing runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Open {
+    /// Elements and corrections.
+    pub mesh: bool,
+    /// `solver.micro_step`.
+    pub micro_step: bool,
+    /// `coupling.macro_step`.
+    pub macro_step: bool,
+    /// `solver.newton_tolerance`.
+    pub newton_tolerance: bool,
+    /// `model.reduce`, beyond what changes nothing.
+    pub reductions: bool,
+}
+
+impl Accuracy {
+    /// A wish that every choice is left to.
+    #[must_use]
+    pub fn new(percent: f64) -> Self {
+        let open = Open {
+            mesh: true,
+            micro_step: true,
+            macro_step: true,
+            newton_tolerance: true,
+            reductions: true,
+        };
+        Self { percent, open }
+    }
+}
+
+/// Keys of `catenary.mesh` that decide its error.
+const MESH: [&str; 4] = [
+    "catenary.mesh.elements_per_interval",
+    "catenary.mesh.element_length",
+    "catenary.mesh.error_percent",
+    "catenary.mesh.corrections",
+];
+/// Other keys that the wish chooses.
+const OTHERS: [&str; 4] = [
+    "solver.micro_step",
+    "coupling.macro_step",
+    "solver.newton_tolerance",
+    "model.reduce",
+];
+
+/// Choices that the keys of a scene leave to its wish for an accuracy, where it has one.
+///
+/// A key that is given wins. A wish in an override takes the place of such keys in files, as other overrides do. A mesh
+/// that is left open becomes one for an error, to be chosen.
+pub(crate) fn left_open(root: &mut Table) -> Open {
+    let Some(at) = root.node_at("run.accuracy_percent").map(|wish| wish.at) else {
+        return Open::default();
+    };
+    let says = |root: &Table, path: &str, word: &str| {
+        let value = root.node_at(path).map(|node| &node.value);
+        matches!(value, Some(Value::String(said)) if said == word)
+    };
+    // No rule chooses beams.
+    let beam = says(root, "catenary.mesh.element", "beam");
+    if matches!(at, At::Override(_)) {
+        let mesh: &[&str] = if beam { &[] } else { &MESH };
+        for path in mesh.iter().chain(&OTHERS) {
+            let of_a_file = |node: &Node| {
+                // How macro steps are controlled is more than their length.
+                !matches!(node.at, At::Override(_)) && !matches!(node.value, Value::Table(_))
+            };
+            if root.node_at(path).is_some_and(of_a_file) {
+                root.take_at(path);
+            }
+        }
+    }
+    let supplied_line = root.has("catenary.fmu");
+    let supplied_pantograph = match root.node("pantograph").map(|node| &node.value) {
+        Some(Value::List(all)) => (all.iter()).any(|node| matches!(&node.value, Value::Table(one) if one.has("fmu"))),
+        _ => false,
+    };
+    let open = Open {
+        mesh: !supplied_line && !beam && !MESH.iter().any(|path| root.has(path)),
+        micro_step: !root.has("solver.micro_step"),
+        // Rules for the coupling error hold for models of this program.
+        macro_step: !root.has("coupling.macro_step") && !supplied_line && !supplied_pantograph,
+        newton_tolerance: !root.has("solver.newton_tolerance"),
+        reductions: !supplied_line && (!root.has("model.reduce") || says(root, "model.reduce", "auto")),
+    };
+    if open.mesh
+        && let Some(mesh) = root.table_mut("catenary").and_then(|line| line.table_mut("mesh"))
+    {
+        let value = Value::Float(DEFAULT_ERROR);
+        mesh.push("error_percent", Node { at, value });
+    }
+    open
+}
