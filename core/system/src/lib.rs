@@ -6,6 +6,7 @@
 //! | `one_system` | line, pantographs and contacts under one integrator, in a run or step by step |
 //! | `run` | schedule, outcome, and the time loop of one system |
 //! | `disturbance` | disturbances put on a run to test its stability |
+//! | `step_times` | wall times of macro steps, and their pace in real time |
 //! | `time_shares` | shares of the wall time of a run |
 //! | `picture` | pictures of line and pantographs |
 #![forbid(unsafe_code)]
@@ -15,6 +16,7 @@ pub mod equilibrium;
 pub mod one_system;
 pub mod picture;
 pub mod run;
+pub mod step_times;
 pub mod time_shares;
 
 pub use catenary::{load, load_with};

@@ -7,6 +7,7 @@ use component::{Frame, Observer, Point, Progress, Share, Work};
 use dynamics::StepError;
 
 use crate::one_system::OneSystem;
+use crate::step_times::StepTimes;
 
 /// Part of a step by which the duration may miss a whole number of them.
 const ROUNDING: f64 = 1e-9;
@@ -47,6 +48,8 @@ pub struct Watch<'a> {
     pub interrupted: &'a AtomicBool,
     /// Display of the time reached.
     pub progress: &'a dyn Progress,
+    /// True where macro steps wait for real time.
+    pub paced: bool,
     /// Called when all is there for the time loop to begin.
     pub begun: &'a dyn Fn(),
     /// Called when the time loop has ended, with all still there that it has worked with.
@@ -60,6 +63,7 @@ impl<'a> Watch<'a> {
         Self {
             interrupted,
             progress,
+            paced: false,
             begun: &|| {},
             ended: &|| {},
         }
@@ -87,6 +91,8 @@ pub struct Outcome<E: std::error::Error + 'static> {
     pub rollbacks: u64,
     /// Lengths of the macro steps.
     pub steps: Steps,
+    /// Wall times of the macro steps, without pictures.
+    pub step_times: StepTimes,
     /// Work of all slaves during the run.
     pub work: Work,
     /// Shares of `wall`; empty where the slaves' time is not taken.
@@ -170,6 +176,7 @@ pub fn run(
     };
     draw(whole, recorder, &points[0]);
     let (mut failure, mut macro_steps, mut shown) = (None, 0, 0.0);
+    let mut step_times = StepTimes::new(watch.paced);
     for n in 1..=schedule.steps() {
         let t = points[0].t;
         if watch.interrupted.load(Ordering::Relaxed) {
@@ -177,12 +184,14 @@ pub fn run(
             break;
         }
         let (end, h) = schedule.step(n);
+        step_times.begin(t);
         if let Err(error) = whole.advance(t, h, &mut points, &mut |previous, present| {
             recorder.step(previous, present)
         }) {
             failure = Some(Failure::Step(error));
             break;
         }
+        step_times.end(end);
         points[0].t = end;
         macro_steps = n;
         draw(whole, recorder, &points[0]);
@@ -206,6 +215,7 @@ pub fn run(
             largest: schedule.macro_step,
             ..Steps::default()
         },
+        step_times,
         work: whole.work(),
         shares: whole.shares(wall),
     }

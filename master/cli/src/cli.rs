@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::command::{self, CommandError, run, study, sweep};
+use crate::command::{self, CommandError, latency, run, study, sweep};
 use experiments::compare;
 use experiments::engine::table::macro_step;
 use fmi2::isolation;
@@ -97,6 +97,9 @@ enum Command {
     /// Runs many cases of one scene on all cores, into one table
     #[command(after_long_help = sweep_help())]
     Sweep(sweep::SweepArguments),
+    /// Runs a scene at the pace of real time: how long its steps take, and how many end late
+    #[command(after_help = EXIT_STATUS)]
+    Latency(latency::LatencyArguments),
     /// Solves the statics of a scene, says what will be modelled and draws the line
     #[command(after_help = EXIT_STATUS)]
     Check {
@@ -209,6 +212,7 @@ pub fn main() -> ExitCode {
         }
         Command::Study(arguments) => study::study(&arguments, &common),
         Command::Sweep(arguments) => sweep::sweep(&arguments, &common),
+        Command::Latency(arguments) => latency::latency(&arguments, &common),
         Command::Reproduce {
             what: Publication::Thesis,
             quick,

@@ -2,9 +2,11 @@
 
 #![forbid(unsafe_code)]
 
+mod accuracy;
 pub mod check;
 pub mod check_page;
 mod error;
+pub mod latency;
 mod mesh;
 mod modelled;
 pub mod paths;
@@ -41,6 +43,7 @@ use system::disturbance::Disturbance;
 use system::one_system::stepped::SteppedSystem;
 use system::one_system::{Evidence, OneSystem};
 use system::run::{Failure, Outcome, Schedule, Steps, Watch};
+use system::step_times::{Percentiles, StepTimes};
 
 pub use self::error::SetupError;
 pub use crate::prepare::{Other, prepare, prepare_on};
@@ -151,6 +154,8 @@ pub struct Finished {
     pub record: Record,
     /// Why it is incomplete.
     pub failure: Option<Box<dyn std::error::Error + Send + Sync>>,
+    /// Wall times of the macro steps.
+    pub step_times: StepTimes,
     /// Most Newton iterations of one internal step; 0 where FMUs do not say.
     pub most_iterations: u64,
     /// Observations of one system, where asked for.
@@ -456,6 +461,7 @@ impl Prepared {
     ) -> Finished {
         let scene = &self.scene;
         let mean_step = outcome.simulated / outcome.macro_steps as f64;
+        let step = step_made(scene, &outcome.steps, mean_step);
         let info = RunInfo {
             scene: self.name.clone(),
             title: scene.title.clone(),
@@ -477,6 +483,7 @@ impl Prepared {
             line: line_of(scene),
             coupling,
             model: self.model(),
+            accuracy: accuracy::of(scene, mode, step),
             cost: results::Cost {
                 wall_s: outcome.wall,
                 setup_s: setup,
@@ -491,9 +498,10 @@ impl Prepared {
                 smallest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.smallest),
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
                 mean_macro_step_s: (outcome.macro_steps > 0).then_some(mean_step),
+                step_times: step_times(outcome.step_times.steps()),
                 shares: outcome.shares,
             },
-            notes: (self.notes(step_made(scene, &outcome.steps, mean_step)).into_iter())
+            notes: (self.notes(step).into_iter())
                 .chain(outcome.notes)
                 .chain(sliding_joint::remarks(scene, &record))
                 .chain(strip_overrun::remarks(scene, &record))
@@ -507,9 +515,21 @@ impl Prepared {
             record,
             failure,
             most_iterations: outcome.work.most_iterations,
+            step_times: outcome.step_times,
             evidence,
             slaves: Vec::new(),
         }
+    }
+}
+
+/// Times as in a summary.
+fn step_times(times: Percentiles) -> results::StepTimes {
+    results::StepTimes {
+        p50_s: times.p50,
+        p99_s: times.p99,
+        p99_9_s: times.p99_9,
+        p99_99_s: times.p99_99,
+        longest_s: times.longest,
     }
 }
 

@@ -16,6 +16,7 @@ pub mod completions;
 pub mod experiment;
 pub mod export;
 pub mod inspect;
+pub mod latency;
 pub mod package;
 pub mod report;
 pub mod reproduce;
@@ -176,6 +177,12 @@ pub enum CommandError {
         /// Why.
         reason: String,
     },
+    /// A measurement ended early, and wrote no results.
+    #[error("the run is incomplete: {reason}")]
+    Unfinished {
+        /// Why.
+        reason: String,
+    },
     /// The run is complete, and limits fail that were asked to hold.
     #[error("--fail-on-limits: {} of the limits fail, the results are in {}: \
         {}", failed.len(), directory.display(), failed.join("; "))]
@@ -193,7 +200,12 @@ impl CommandError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Setup(error) | Self::InScene { source: error, .. } if !error.is_input() => 1,
-            Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
+            Self::Incomplete { .. }
+            | Self::Unfinished { .. }
+            | Self::Results(_)
+            | Self::Output(_)
+            | Self::Package(_)
+            | Self::Json(_) => 1,
             Self::Sweep(error) if !error.is_input() => 1,
             Self::LimitsFailed { .. } => 3,
             _ => 2,

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use component::{Frame, Observer, Share};
 use system::run::{Failure, Outcome, Schedule, Steps, Watch};
+use system::step_times::StepTimes;
 use system::time_shares;
 
 use crate::algorithm::{Algorithm, CouplingError, Exchange, Sides};
@@ -74,6 +75,7 @@ struct UnderWay<'a, 'b> {
     failure: Option<Failure<CouplingError>>,
     macro_steps: u64,
     steps: Steps,
+    step_times: StepTimes,
     /// Simulated time that the bar shows, s.
     shown: f64,
     /// Time spent in the slaves before the loop, the line's first.
@@ -100,6 +102,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             failure: None,
             macro_steps: 0,
             steps: Steps::default(),
+            step_times: StepTimes::new(watch.paced),
             shown: 0.0,
             spent_before,
         }
@@ -118,11 +121,16 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     /// Advances to `end` over `h` s.
     fn advance(&mut self, end: f64, h: f64) -> Result<(), CouplingError> {
         let recorder = &mut *self.recorder;
-        self.stepper.advance(end, h, &mut |exchange| record(recorder, exchange))
+        self.step_times.begin(self.stepper.exchange.point(0).t);
+        self.stepper
+            .advance(end, h, &mut |exchange| record(recorder, exchange))?;
+        self.step_times.end(end);
+        Ok(())
     }
 
     /// Tries the step that `controller` has chosen; it is done, or the controller chooses a shorter one.
     fn advance_controlled(&mut self, controller: &mut Controller, end: f64, h: f64) -> Result<(), CouplingError> {
+        self.step_times.begin(self.stepper.exchange.point(0).t);
         match self.stepper.attempt(h) {
             Err(error) if self.stepper.can_retry(&error) => {
                 self.stepper.take_back()?;
@@ -145,6 +153,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
                 record(self.recorder, self.stepper.exchange);
             }
         }
+        self.step_times.end(end);
         self.done(end, h, controller.next().is_none());
         Ok(())
     }
@@ -192,6 +201,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             macro_steps: self.macro_steps,
             rollbacks: self.stepper.rollbacks,
             steps: self.steps,
+            step_times: self.step_times,
             work,
             shares,
         }

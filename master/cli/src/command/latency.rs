@@ -1,0 +1,67 @@
+//! `master latency`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::run::ModeArgument;
+use super::{CommandError, SceneFile, interrupted, print, print_json, say};
+use crate::cli::Common;
+use cosim::package;
+use simulation::latency::Latency;
+use simulation::{FmuSource, Mode};
+
+/// Arguments of `master latency`.
+#[derive(Debug, Args)]
+pub struct LatencyArguments {
+    /// Scene file, or an .ssp
+    scene: PathBuf,
+    /// How line and pantographs are put together
+    #[arg(long, value_enum, default_value = "cosimulation")]
+    mode: ModeArgument,
+    /// Real time to measure for, in s: the run is repeated until it has passed
+    #[arg(long, value_name = "S", default_value = "10", value_parser = duration)]
+    duration: f64,
+}
+
+/// A time in s, positive and finite.
+fn duration(text: &str) -> Result<f64, String> {
+    let found = text.parse::<f64>().ok().filter(|time| *time > 0.0 && time.is_finite());
+    found.ok_or_else(|| "must be a positive number of seconds, such as 60".to_owned())
+}
+
+/// Runs a scene in real time and measures its steps.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn latency(arguments: &LatencyArguments, common: &Common) -> Result<(), CommandError> {
+    let path = arguments.scene.as_path();
+    let file = SceneFile::read(path, common)?;
+    file.notes.iter().for_each(|note| say(common)(note));
+    let source = FmuSource {
+        folder: package::folder(&file.name),
+        logging: common.verbose > 1,
+    };
+    let latency = Latency {
+        scene: &file.scene,
+        name: &file.name,
+        base: &file.base,
+        mode: Mode::from(arguments.mode),
+        source: &source,
+        duration: arguments.duration,
+    };
+    let report = latency
+        .measure(interrupted(common), &())
+        .map_err(|error| CommandError::from(error).in_scene(path))?;
+    if common.json {
+        print_json(&report)?;
+    } else if !common.quiet {
+        print(&report.text())?;
+    }
+    if report.incomplete_reason.is_empty() {
+        return Ok(());
+    }
+    Err(CommandError::Unfinished {
+        reason: report.incomplete_reason,
+    })
+}
