@@ -40,6 +40,10 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// accept every first pass from then on, however far off, and with no further pass nothing would ever correct it.
 const LEAST_GAIN: f64 = 0.05;
 
+/// Step that `coupling.force_tolerance` is meant for, s. In shorter ones a force that is left over acts for less time and
+/// moves the head by the square of it less, before the next step makes up for it.
+const STEP_OF_TOLERANCE: f64 = 5e-3;
+
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
 /// the start of the step, with the force that Newton's method gives, until nothing is left to gain.
 ///
@@ -62,7 +66,8 @@ const LEAST_GAIN: f64 = 0.05;
 /// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian `J = d(mean
 /// answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once by a
 /// rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
-/// further pass would change the force by no more than the tolerance: `|J r| ≤ tolerance`.
+/// further pass would change the force by no more than the tolerance, `|J r| ≤ tolerance`, which is larger by
+/// `(5 ms/h)²` in shorter steps.
 pub struct InterfaceJacobian {
     force: Force,
     degree: usize,
@@ -247,6 +252,12 @@ impl InterfaceJacobian {
         gain
     }
 
+    /// Largest change by a further pass that is not worth it in steps of `h` s, N.
+    fn tolerance(&self, h: f64) -> f64 {
+        let shorter = if self.carries { STEP_OF_TOLERANCE / h } else { 1.0 };
+        self.tolerance * shorter.max(1.0).powi(2)
+    }
+
     /// Loads of the next pass: those answered, moved by Newton's step.
     fn improve(&mut self, sides: &Sides<'_>, exchange: &Exchange) {
         for i in 0..self.given.len() {
@@ -323,8 +334,9 @@ impl Algorithm for InterfaceJacobian {
             self.last.fill(None);
             self.secants(exchange, h);
             let mut gain = self.to_gain(sides, exchange, h);
+            let tolerance = self.tolerance(h);
             for pass in 1.. {
-                if gain <= self.tolerance {
+                if gain <= tolerance {
                     break;
                 }
                 if pass >= self.passes {
@@ -333,7 +345,7 @@ impl Algorithm for InterfaceJacobian {
                         h,
                         iterations: pass,
                         residual: gain,
-                        tolerance: self.tolerance,
+                        tolerance,
                     });
                 }
                 self.improve(sides, exchange);
