@@ -24,7 +24,7 @@ pub(crate) struct Choice {
     pub(crate) cost: f64,
 }
 
-/// What a search for a mesh may change, and what it is for.
+/// A search for a mesh: its aim, and what is given.
 pub(crate) struct Search<'a> {
     /// Largest error, %.
     pub(crate) percent: f64,

@@ -1,9 +1,9 @@
 //! Expected errors of a scene's run in the filtered contact force, cause by cause.
 //!
 //! Every share is an rms difference in percent of the standard deviation of the filtered force. Mesh and step go by
-//! [`crate::expected_error`]. Rules of the other causes are upper bounds of runs in pairs on the shipped lines, listed in
-//! `docs/validation/reductions.csv`, `solver.csv` and `coupling.csv`: no theory stands behind them, and a line unlike
-//! the shipped ones may be worse.
+//! [`crate::expected_error`]. Rules of the other causes are upper bounds of runs in pairs on the shipped lines, listed
+//! in `docs/validation/reductions.csv`, `solver.csv` and `coupling.csv`: no theory stands behind them, and a line
+//! unlike the shipped ones may be worse.
 //!
 //! ```text
 //! linearised   the line about its static state

@@ -15,7 +15,7 @@ use crate::{FmuSource, Mode, SetupError, StaticLines, prepare_on, step_times};
 /// Longest empty loop, s: rare disturbances show within.
 const LONGEST_EMPTY_LOOP: f64 = 10.0;
 
-/// What is measured.
+/// A measurement of step times.
 pub struct Latency<'a> {
     /// The scene.
     pub scene: &'a Scene,
