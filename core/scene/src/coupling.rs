@@ -198,8 +198,8 @@ impl Entry for Coupling {
         ),
         (
             "force_tolerance",
-            "Change of the contact force by a further pass below which no pass follows; with `\"interface_jacobian\"` in \
-             steps of 5 ms and more, and by the inverse square more in shorter ones.",
+            "Change of the contact force by a further pass below which no pass follows; with `\"interface_jacobian\"` \
+             in steps of 5 ms and more, and by the inverse square more in shorter ones.",
         ),
     ];
 

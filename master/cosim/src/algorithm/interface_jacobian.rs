@@ -40,8 +40,8 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// accept every first pass from then on, however far off, and with no further pass nothing would ever correct it.
 const LEAST_GAIN: f64 = 0.05;
 
-/// Step that `coupling.force_tolerance` is meant for, s. In shorter ones a force that is left over acts for less time and
-/// moves the head by the square of it less, before the next step makes up for it.
+/// Step that `coupling.force_tolerance` is meant for, s. In shorter ones a force that is left over acts for less time
+/// and moves the head by the square of it less, before the next step makes up for it.
 const STEP_OF_TOLERANCE: f64 = 5e-3;
 
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
