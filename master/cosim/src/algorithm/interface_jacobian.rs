@@ -43,6 +43,9 @@ const LEAST_GAIN: f64 = 0.05;
 /// Step that `coupling.force_tolerance` is meant for, s. In shorter ones a force that is left over acts for less time
 /// and moves the head by the square of it less, before the next step makes up for it.
 const STEP_OF_TOLERANCE: f64 = 5e-3;
+/// `ωh` that it is meant for, –: that of the stiffest heads on usual lines in such a step. On a stiffer contact a step
+/// is not short.
+const NUMBER_OF_TOLERANCE: f64 = 0.45;
 
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
 /// the start of the step, with the force that Newton's method gives, until nothing is left to gain.
@@ -67,7 +70,7 @@ const STEP_OF_TOLERANCE: f64 = 5e-3;
 /// answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once by a
 /// rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
 /// further pass would change the force by no more than the tolerance, `|J r| ≤ tolerance`, which is larger by
-/// `(5 ms/h)²` in shorter steps.
+/// `(5 ms/h)²` in shorter steps, as long as the contact is not stiff beside them.
 pub struct InterfaceJacobian {
     force: Force,
     degree: usize,
@@ -254,7 +257,8 @@ impl InterfaceJacobian {
 
     /// Largest change by a further pass that is not worth it in steps of `h` s, N.
     fn tolerance(&self, h: f64) -> f64 {
-        let shorter = if self.carries { STEP_OF_TOLERANCE / h } else { 1.0 };
+        let number = self.stiffness(h).filter(|_| self.carries);
+        let shorter = number.map_or(1.0, |number| (STEP_OF_TOLERANCE / h).min(NUMBER_OF_TOLERANCE / number));
         self.tolerance * shorter.max(1.0).powi(2)
     }
 
