@@ -25,8 +25,7 @@ pub struct Coupling {
     /// they contract by more than half each time, or do not converge at all. With 1 no slave is taken back.
     pub max_iterations: usize,
     /// Change of the contact force by a further pass that is not worth that pass, N; 2e-3 by default: short macro steps
-    /// are then done in one pass, long ones in a few, with an error far below that of the mesh. With
-    /// [`Algorithm::InterfaceJacobian`] that of steps of 5 ms and more, and by the inverse square more in shorter ones.
+    /// are then done in one pass, long ones in a few, with an error far below that of the mesh.
     pub force_tolerance: f64,
 }
 
@@ -198,8 +197,7 @@ impl Entry for Coupling {
         ),
         (
             "force_tolerance",
-            "Change of the contact force by a further pass below which no pass follows; with `\"interface_jacobian\"` \
-             in steps of 5 ms and more, and by the inverse square more in shorter ones.",
+            "Change of the contact force by a further pass below which no pass follows.",
         ),
     ];
 

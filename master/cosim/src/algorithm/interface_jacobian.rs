@@ -40,13 +40,6 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// accept every first pass from then on, however far off, and with no further pass nothing would ever correct it.
 const LEAST_GAIN: f64 = 0.05;
 
-/// Step that `coupling.force_tolerance` is meant for, s. In shorter ones a force that is left over acts for less time
-/// and moves the head by the square of it less, before the next step makes up for it.
-const STEP_OF_TOLERANCE: f64 = 5e-3;
-/// `ωh` that it is meant for, –: that of the stiffest heads on usual lines in such a step. On a stiffer contact a step
-/// is not short.
-const NUMBER_OF_TOLERANCE: f64 = 0.45;
-
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
 /// the start of the step, with the force that Newton's method gives, until nothing is left to gain.
 ///
@@ -69,8 +62,7 @@ const NUMBER_OF_TOLERANCE: f64 = 0.45;
 /// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian `J = d(mean
 /// answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once by a
 /// rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
-/// further pass would change the force by no more than the tolerance, `|J r| ≤ tolerance`, which is larger by
-/// `(5 ms/h)²` in shorter steps, as long as the contact is not stiff beside them.
+/// further pass would change the force by no more than the tolerance: `|J r| ≤ tolerance`.
 pub struct InterfaceJacobian {
     force: Force,
     degree: usize,
@@ -255,13 +247,6 @@ impl InterfaceJacobian {
         gain
     }
 
-    /// Largest change by a further pass that is not worth it in steps of `h` s, N.
-    fn tolerance(&self, h: f64) -> f64 {
-        let number = self.stiffness(h).filter(|_| self.carries);
-        let shorter = number.map_or(1.0, |number| (STEP_OF_TOLERANCE / h).min(NUMBER_OF_TOLERANCE / number));
-        self.tolerance * shorter.max(1.0).powi(2)
-    }
-
     /// Loads of the next pass: those answered, moved by Newton's step.
     fn improve(&mut self, sides: &Sides<'_>, exchange: &Exchange) {
         for i in 0..self.given.len() {
@@ -338,9 +323,8 @@ impl Algorithm for InterfaceJacobian {
             self.last.fill(None);
             self.secants(exchange, h);
             let mut gain = self.to_gain(sides, exchange, h);
-            let tolerance = self.tolerance(h);
             for pass in 1.. {
-                if gain <= tolerance {
+                if gain <= self.tolerance {
                     break;
                 }
                 if pass >= self.passes {
@@ -349,7 +333,7 @@ impl Algorithm for InterfaceJacobian {
                         h,
                         iterations: pass,
                         residual: gain,
-                        tolerance,
+                        tolerance: self.tolerance,
                     });
                 }
                 self.improve(sides, exchange);
