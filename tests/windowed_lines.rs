@@ -84,15 +84,16 @@ fn a_window_follows_a_stitched_line() {
 }
 
 /// Between the clamps the messenger wire has less than its nominal tension, in its bending layers too: with more there
-/// than in the elements a span cut at its supports would not be stable.
+/// than in the elements a span cut at its supports would not be stable. Layers at its supports follow without inertia,
+/// whose error falls with the length of the elements.
 #[test]
 fn a_window_follows_a_stitched_line_on_a_corrected_mesh() {
     let more = [
         "catenary.spans=8",
-        "catenary.mesh={ elements_per_interval=1, corrections=[\"contact_compliance\", \"bending_layers\"] }",
+        "catenary.mesh={ elements_per_interval=4, corrections=[\"contact_compliance\", \"bending_layers\"] }",
     ];
     let difference = windowed(STITCHED, "\"planar\", \"linearised\"", &more);
-    assert!(difference < 0.3, "{difference} %");
+    assert!(difference < 1.5, "{difference} %");
 }
 
 #[test]
