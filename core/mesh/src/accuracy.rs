@@ -134,9 +134,6 @@ fn cost_of_line(scene: &Scene) -> f64 {
     if !has(Reduction::Window) {
         return motion * spans;
     }
-    let starts = || (0..scene.strip_count()).map(|strip| scene.strip_start_x(strip));
-    let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
-    let shortest = catenary.span_lengths().iter().copied().fold(f64::INFINITY, f64::min);
-    let full = (WINDOW_SPANS + (apart / shortest).ceil()).min(spans);
+    let full = (WINDOW_SPANS + scene.spans_between_strips(catenary) as f64).min(spans);
     motion * (full + REDUCED_SPAN_COST * (spans - full))
 }

@@ -1,10 +1,8 @@
 //! Elements and micro step for an error that is asked for.
 
-use scene::{Catenary, Correction, Division, MeshChoice, Open, Scene, What, shown_number};
+use scene::{Catenary, Correction, Division, Scene};
 
-use super::accuracy;
 use super::corrections::choose_corrections;
-use super::error_model::expected_error;
 
 /// Micro steps that the rule chooses from where the macro step is controlled, s, and its longest and shortest where it
 /// is fixed: those between 1 and 2 ms are what the mass correction of even elements takes.
@@ -50,56 +48,6 @@ impl Choice {
             mesh.corrections.clone_from(&self.corrections);
         }
     }
-}
-
-/// Chooses what a scene leaves open of its mesh and to `run.accuracy_percent`; does nothing where all is given or the
-/// line is a supplied one.
-///
-/// # Errors
-/// The key and why no mesh can be chosen.
-pub fn resolve(scene: &mut Scene) -> Result<(), (String, What)> {
-    let mut wish = scene.run.accuracy.filter(|wish| wish.open != Open::default());
-    let Some(choice) = scene.mesh_mut().map(|mesh| mesh.choice) else {
-        let because = "no rule knows the errors of a line that is a supplied FMU".to_owned();
-        return match wish {
-            Some(_) => Err(("run.accuracy_percent".to_owned(), What::LeaveOut { because })),
-            None => Ok(()),
-        };
-    };
-    match choice {
-        MeshChoice::Given => {}
-        MeshChoice::Corrections => choose_corrections(scene),
-        MeshChoice::Error { .. } if wish.is_some_and(|wish| wish.open.mesh) => {}
-        MeshChoice::Error {
-            percent,
-            choose_micro_step,
-        } => {
-            let search = Search {
-                percent,
-                error: &|scene| Ok(expected_error(scene)?.total()),
-                mesh_is_given: false,
-                micro_step_is_given: !choose_micro_step,
-                macro_step_follows: false,
-            };
-            let chosen = mesh_for(scene, &search).map_err(|expected| {
-                let value = shown_number(percent, "%");
-                let key = "catenary.mesh.error_percent".to_owned();
-                (key, What::Refused { value, expected })
-            })?;
-            chosen.apply(scene, &search);
-            if let Some(wish) = &mut wish {
-                wish.open.micro_step = false;
-                wish.open.macro_step = false;
-            }
-        }
-    }
-    if let Some(wish) = wish {
-        accuracy::choose(scene, wish)?;
-    }
-    if let Some(mesh) = scene.mesh_mut() {
-        mesh.choice = MeshChoice::Given;
-    }
-    Ok(())
 }
 
 /// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a

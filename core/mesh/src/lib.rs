@@ -6,6 +6,7 @@
 //! | `corrections` | which corrections a line can have |
 //! | `error_model` | the expected error of mesh and time step |
 //! | `error_shares` | expected errors of all causes |
+//! | `resolve` | all choices that a scene leaves open |
 //! | `accuracy` | mesh, steps, tolerance and reductions for one sum of errors |
 
 #![forbid(unsafe_code)]
@@ -15,12 +16,14 @@ mod corrections;
 mod division;
 mod error_model;
 mod error_shares;
+mod resolve;
 
 pub use accuracy::cost_of_whole_line;
 pub use corrections::{CorrectedSteps, contradictions, corrected_steps, corrections_left_out, impossible_corrections};
-pub use division::{evenly_divided, resolve};
+pub use division::evenly_divided;
 pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
 pub use error_shares::{ErrorShare, error_shares, sum};
+pub use resolve::resolve;
 
 use scene::{Files, Scene, SceneError, SceneFile, What};
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::check::{Found, refuse};
 use crate::write::shown_number;
-use crate::{ContactLaw, HeadStrip, Line, Pantograph, PantographModel, Scene, Start};
+use crate::{Catenary, ContactLaw, HeadStrip, Line, Pantograph, PantographModel, Scene, Start};
 
 /// The one strip of a head without `strips`.
 const MIDDLE: [HeadStrip; 1] = [HeadStrip { x: 0.0, spring: None }];
@@ -137,6 +137,15 @@ impl Scene {
     pub fn strip_start_x(&self, strip: usize) -> f64 {
         let (pantograph, own) = self.head_of(strip);
         self.head_start_x(pantograph) + self.pantographs[pantograph].strips()[own].x
+    }
+
+    /// Spans of a line, as short as its shortest, that the strips are apart, rounded up.
+    #[must_use]
+    pub fn spans_between_strips(&self, catenary: &Catenary) -> usize {
+        let starts = || (0..self.strip_count()).map(|strip| self.strip_start_x(strip));
+        let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
+        let shortest = catenary.span_lengths().iter().copied().fold(f64::INFINITY, f64::min);
+        (apart / shortest).ceil() as usize
     }
 
     /// x of strip `strip` (from 0, over all heads) at `time` in s, m, as the train moves.

@@ -8,7 +8,7 @@ use catenary::{
 };
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
-use vehicle::{PantographModel, VehicleError};
+use vehicle::{PantographModel, VehicleError, WIND_INPUTS};
 
 use component::exchange::{contact, line_output_count, strip};
 use component::{Frame, Point, Share, Work};
@@ -21,9 +21,6 @@ use crate::time_shares::{self, Profile};
 
 /// Difference of forces below which the start counts as rest, N.
 const AT_REST: f64 = 1e-3;
-
-/// Inputs of a pantograph for the wind in x, y, z, m/s.
-const WIND_INPUTS: usize = 3;
 
 /// Reason why there is no single system.
 #[derive(Debug, thiserror::Error)]

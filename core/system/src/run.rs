@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use component::{Frame, Observer, Point, Progress, Share, Work};
 use dynamics::StepError;
+use scene::Scene;
 
 use crate::one_system::OneSystem;
 use crate::step_times::StepTimes;
@@ -24,6 +25,16 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// Times of a scene.
+    #[must_use]
+    pub fn of_scene(scene: &Scene, may_shorten: bool) -> Self {
+        Self {
+            duration: scene.run.duration,
+            macro_step: scene.coupling.macro_step,
+            may_shorten,
+        }
+    }
+
     /// Number of macro steps.
     #[must_use]
     pub fn steps(&self) -> u64 {

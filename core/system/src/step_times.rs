@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use component::Percentiles;
 use hdrhistogram::Histogram;
 
 /// Longest step that is told apart, ns.
@@ -23,21 +24,6 @@ pub struct StepTimes {
     paced: bool,
     begun: Instant,
     missed: u64,
-}
-
-/// Percentiles of wall times, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Percentiles {
-    /// Median.
-    pub p50: f64,
-    /// 99 %.
-    pub p99: f64,
-    /// 99.9 %.
-    pub p99_9: f64,
-    /// 99.99 %.
-    pub p99_99: f64,
-    /// Longest.
-    pub longest: f64,
 }
 
 impl StepTimes {
@@ -125,11 +111,11 @@ fn nanoseconds(time: Duration) -> u64 {
 fn percentiles(times: &Histogram<u64>) -> Percentiles {
     let at = |percent: f64| 1e-9 * times.value_at_percentile(percent) as f64;
     Percentiles {
-        p50: at(50.0),
-        p99: at(99.0),
-        p99_9: at(99.9),
-        p99_99: at(99.99),
-        longest: 1e-9 * times.max() as f64,
+        p50_s: at(50.0),
+        p99_s: at(99.0),
+        p99_9_s: at(99.9),
+        p99_99_s: at(99.99),
+        longest_s: 1e-9 * times.max() as f64,
     }
 }
 
@@ -153,7 +139,7 @@ mod tests {
         assert!(times.count() == 10 && times.missed() >= 1);
         let steps = times.steps();
         assert!(
-            steps.longest >= 3e-3 && steps.p50 <= steps.p99 && steps.p99 <= steps.longest,
+            steps.longest_s >= 3e-3 && steps.p50_s <= steps.p99_s && steps.p99_s <= steps.longest_s,
             "{steps:?}"
         );
     }
@@ -163,7 +149,7 @@ mod tests {
         let mut times = StepTimes::new(false);
         (1..=1000).for_each(|time| times.steps.saturating_record(1000 * time));
         let steps = times.steps();
-        for (found, expected) in [(steps.p50, 500e-6), (steps.p99, 990e-6), (steps.longest, 1000e-6)] {
+        for (found, expected) in [(steps.p50_s, 500e-6), (steps.p99_s, 990e-6), (steps.longest_s, 1000e-6)] {
             assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
         }
         let mut both = times.clone();

@@ -47,7 +47,7 @@ pub use base::Base;
 use base::Travelling;
 pub use error::{Irreducible, VehicleError};
 pub use given_motion::{Displaced, GivenMotion};
-pub use model::{PantographModel, Placement};
+pub use model::{PantographModel, Placement, WIND_INPUTS};
 pub use multibody::AppliedForce;
 pub use pantograph::{Air, Equilibrium, Linkage};
 pub use rail_vehicle::Vehicle;

@@ -9,6 +9,9 @@ use nalgebra::Vector3;
 use scene::{PantographModel as Entry, Scene};
 use std::sync::Arc;
 
+/// Inputs for the wind on a pantograph in x, y, z, m/s.
+pub const WIND_INPUTS: usize = 3;
+
 /// Start, speed and surroundings of a pantograph's travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
@@ -128,7 +131,7 @@ impl PantographModel {
         }
     }
 
-    /// Adds the inputs `u[first..first + 3]` to the wind on the pantograph, m/s.
+    /// Adds the inputs `u[first..first + WIND_INPUTS]` to the wind on the pantograph, m/s.
     pub fn add_wind_input(&mut self, first: usize) {
         self.pantograph.air_mut().add_input(first);
     }

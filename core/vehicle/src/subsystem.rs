@@ -1,15 +1,12 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
-use crate::{AppliedForce, PantographModel, Vehicle, VehicleError};
+use crate::{AppliedForce, PantographModel, Vehicle, VehicleError, WIND_INPUTS};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
 use nalgebra::Vector3;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
-
-/// Inputs for the wind in x, y, z, m/s, after those of the strips.
-const WIND_INPUTS: usize = 3;
 
 /// Inputs of a pantograph with one strip: force on the strip in x, y, z (N), lateral position of the contact (m), wind
 /// in x, y, z (m/s). The first four come again for each further strip.

@@ -32,5 +32,5 @@ pub use record::{LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, 
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
     Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,
-    StepTimes, StripSummary, Summary, Uplift,
+    StripSummary, Summary, Uplift,
 };

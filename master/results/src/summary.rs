@@ -1,6 +1,6 @@
 //! The summary of a run: what `summary.json` holds.
 
-use component::Share;
+use component::{Percentiles, Share};
 use serde::{Deserialize, Serialize};
 
 use super::Record;
@@ -158,25 +158,10 @@ pub struct Cost {
     pub mean_macro_step_s: Option<f64>,
     /// Wall times of macro steps.
     #[serde(default)]
-    pub step_times: StepTimes,
+    pub step_times: Percentiles,
     /// Shares of `wall_s`; empty where they were not measured.
     #[serde(default)]
     pub shares: Vec<Share>,
-}
-
-/// Percentiles of the wall times of macro steps, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StepTimes {
-    /// Median.
-    pub p50_s: f64,
-    /// 99 %.
-    pub p99_s: f64,
-    /// 99.9 %.
-    pub p99_9_s: f64,
-    /// 99.99 %.
-    pub p99_99_s: f64,
-    /// Longest.
-    pub longest_s: f64,
 }
 
 /// The summary of a run.

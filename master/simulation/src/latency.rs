@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use component::Progress;
+use component::{Percentiles, Progress};
 use scene::Scene;
 use serde::Serialize;
 use system::run::Watch;
 use system::step_times::StepTimes;
 
-use crate::{FmuSource, Mode, SetupError, StaticLines, prepare_on, step_times};
+use crate::{FmuSource, Mode, SetupError, StaticLines, prepare_on};
 
 /// Longest empty loop, s: rare disturbances show within.
 const LONGEST_EMPTY_LOOP: f64 = 10.0;
@@ -45,13 +45,13 @@ pub struct LatencyReport {
     /// Runs that these steps are of.
     pub runs: u64,
     /// Wall times of steps.
-    pub step_times: results::StepTimes,
+    pub step_times: Percentiles,
     /// Steps that ended after the next one was due, %.
     pub missed_percent: f64,
     /// Times by which steps began late.
-    pub late: results::StepTimes,
+    pub late: Percentiles,
     /// Times by which the passes of an empty loop at the same pace began late: disturbances of the machine.
-    pub empty_loop: results::StepTimes,
+    pub empty_loop: Percentiles,
     /// Why the last run did not reach its end; empty where all did.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub incomplete_reason: String,
@@ -91,10 +91,10 @@ impl Latency<'_> {
             macro_step_s,
             steps: all.count(),
             runs,
-            step_times: step_times(all.steps()),
+            step_times: all.steps(),
             missed_percent: 100.0 * all.missed() as f64 / (all.count().max(1)) as f64,
-            late: step_times(all.late()),
-            empty_loop: step_times(empty.late()),
+            late: all.late(),
+            empty_loop: empty.late(),
             incomplete_reason,
         })
     }
@@ -117,7 +117,7 @@ impl LatencyReport {
     /// The report as a table of text.
     #[must_use]
     pub fn text(&self) -> String {
-        let row = |name: &str, times: &results::StepTimes| {
+        let row = |name: &str, times: &Percentiles| {
             let cells = [times.p50_s, times.p99_s, times.p99_9_s, times.p99_99_s, times.longest_s];
             let cells: String = cells.iter().map(|time| format!("{:>10.1}", 1e6 * time)).collect();
             format!("{name:<28}{cells}\n")

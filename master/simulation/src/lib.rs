@@ -43,7 +43,7 @@ use system::disturbance::Disturbance;
 use system::one_system::stepped::SteppedSystem;
 use system::one_system::{Evidence, OneSystem};
 use system::run::{Failure, Outcome, Schedule, Steps, Watch};
-use system::step_times::{Percentiles, StepTimes};
+use system::step_times::StepTimes;
 
 pub use self::error::SetupError;
 pub use crate::prepare::{Other, prepare, prepare_on};
@@ -191,14 +191,6 @@ impl Prepared {
         match mode {
             Mode::Monolithic => self.run_as_one(&supports, watch, good),
             Mode::Inprocess | Mode::Cosimulation => self.run_coupled(mode, &supports, source, watch, good),
-        }
-    }
-
-    fn schedule(&self, may_shorten: bool) -> Schedule {
-        Schedule {
-            duration: self.scene.run.duration,
-            macro_step: self.scene.coupling.macro_step,
-            may_shorten,
         }
     }
 
@@ -367,7 +359,7 @@ impl Prepared {
                 watch,
             )
         } else {
-            let schedule = self.schedule(sides.can_vary_step());
+            let schedule = Schedule::of_scene(&self.scene, sides.can_vary_step());
             run::run(
                 &mut sides,
                 &mut *algorithm,
@@ -426,7 +418,7 @@ impl Prepared {
         whole.disturb(&self.disturbance).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();
-        let mut schedule = self.schedule(true);
+        let mut schedule = Schedule::of_scene(&self.scene, true);
         if self.disturbance.audited {
             schedule.macro_step = self.scene.internal_step_of(schedule.macro_step);
         }
@@ -498,7 +490,7 @@ impl Prepared {
                 smallest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.smallest),
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
                 mean_macro_step_s: (outcome.macro_steps > 0).then_some(mean_step),
-                step_times: step_times(outcome.step_times.steps()),
+                step_times: outcome.step_times.steps(),
                 shares: outcome.shares,
             },
             notes: (self.notes(step).into_iter())
@@ -519,17 +511,6 @@ impl Prepared {
             evidence,
             slaves: Vec::new(),
         }
-    }
-}
-
-/// Times as in a summary.
-fn step_times(times: Percentiles) -> results::StepTimes {
-    results::StepTimes {
-        p50_s: times.p50,
-        p99_s: times.p99,
-        p99_9_s: times.p99_9,
-        p99_99_s: times.p99_99,
-        longest_s: times.longest,
     }
 }
 

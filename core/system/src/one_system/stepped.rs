@@ -9,9 +9,9 @@ use component::exchange::{contact, strip, support};
 use dynamics::{Checkpoint, StepError};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
-use vehicle::Air;
+use vehicle::{Air, WIND_INPUTS};
 
-use super::{OneSystem, OneSystemError, WIND_INPUTS};
+use super::{OneSystem, OneSystemError};
 use crate::run::Schedule;
 
 /// Name of the group of signals of a pantograph.
@@ -188,11 +188,7 @@ impl SteppedSystem {
         let mut stepped = Self {
             whole,
             scene: hasher.finish(),
-            schedule: Schedule {
-                duration: scene.run.duration,
-                macro_step: scene.coupling.macro_step,
-                may_shorten: true,
-            },
+            schedule: Schedule::of_scene(scene, true),
             step: 0,
             failed: false,
             points: [point.clone(), point],

@@ -305,10 +305,7 @@ impl WindowedLine {
     /// Largest number of full spans in a window over the strips of a scene.
     #[must_use]
     pub fn most_spans(scene: &Scene, catenary: &Catenary) -> usize {
-        let starts = || (0..scene.strip_count()).map(|i| scene.strip_start_x(i));
-        let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
-        let shortest = catenary.span_lengths().iter().copied().fold(f64::INFINITY, f64::min);
-        BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.first().stagger.len() - 1
+        BEHIND + AHEAD + 1 + scene.spans_between_strips(catenary) + catenary.first().stagger.len() - 1
     }
 
     /// Builds all contributions for the present arrangement.
