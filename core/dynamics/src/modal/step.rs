@@ -4,73 +4,58 @@ use nalgebra::Matrix4;
 /// Factors of a step of `h` s for all modes, each a vector over the modes:
 ///
 /// ```text
-/// q₁ = qq q₀ + qv v₀ + q0 r₀ + q1 r₁
-/// v₁ = vq q₀ + vv v₀ + v0 r₀ + v1 r₁
+/// q₁ − q₀ = qq q₀ + qv v₀ + q0 r₀ + q1 r₁
+/// v₁ − v₀ = vq q₀ + vv v₀ + v0 r₀ + v1 r₁
 /// ```
 ///
-/// with the modal force linear from `r₀` to `r₁`. A step of 0 s is the state at rest under `r₁`.
+/// with the modal force linear from `r₀` to `r₁`. A step of 0 s leads to the state at rest under `r₁`. Changes over a
+/// step keep their digits in single precision: a slow mode changes by a millionth of itself.
 #[derive(Clone, Debug, Default)]
 pub struct StepFactors {
     /// Length of the step, s.
     pub h: f64,
-    /// `q₁` by `q₀`, –.
-    pub qq: Vec<f64>,
-    /// `q₁` by `v₀`, s.
-    pub qv: Vec<f64>,
-    /// `q₁` by `r₀`, s².
-    pub q0: Vec<f64>,
-    /// `q₁` by `r₁`, s².
-    pub q1: Vec<f64>,
-    /// `v₁` by `q₀`, 1/s.
-    pub vq: Vec<f64>,
-    /// `v₁` by `v₀`, –.
-    pub vv: Vec<f64>,
-    /// `v₁` by `r₀`, s.
-    pub v0: Vec<f64>,
-    /// `v₁` by `r₁`, s.
-    pub v1: Vec<f64>,
+    /// Change of `q` by `q₀`, –.
+    pub qq: Vec<f32>,
+    /// Change of `q` by `v₀`, s.
+    pub qv: Vec<f32>,
+    /// Change of `q` by `r₀`, s².
+    pub q0: Vec<f32>,
+    /// Change of `q` by `r₁`, s².
+    pub q1: Vec<f32>,
+    /// Change of `v` by `q₀`, 1/s.
+    pub vq: Vec<f32>,
+    /// Change of `v` by `v₀`, –.
+    pub vv: Vec<f32>,
+    /// Change of `v` by `r₀`, s.
+    pub v0: Vec<f32>,
+    /// Change of `v` by `r₁`, s.
+    pub v1: Vec<f32>,
 }
 
 impl StepFactors {
     /// Factors of modes with these `ωₖ²` (1/s²) and `cₖ` (1/s).
     #[must_use]
     pub fn new(stiffness: &[f64], damping: &[f64], h: f64) -> Self {
-        let count = stiffness.len();
         let mut factors = Self { h, ..Self::default() };
-        let Self {
-            qq,
-            qv,
-            q0,
-            q1,
-            vq,
-            vv,
-            v0,
-            v1,
-            ..
-        } = &mut factors;
-        let vectors = [qq, qv, q0, q1, vq, vv, v0, v1];
-        if h == 0.0 {
-            for vector in vectors {
-                vector.resize(count, 0.0);
-            }
-            for (q1, stiffness) in factors.q1.iter_mut().zip(stiffness) {
-                *q1 = 1.0 / stiffness;
-            }
-            return factors;
-        }
-        for vector in vectors {
-            vector.reserve(count);
-        }
         for (&stiffness, &damping) in stiffness.iter().zip(damping) {
-            let [q, v] = over(stiffness, damping, h);
-            factors.qq.push(q[0]);
-            factors.qv.push(q[1]);
-            factors.q0.push(q[2]);
-            factors.q1.push(q[3]);
-            factors.vq.push(v[0]);
-            factors.vv.push(v[1]);
-            factors.v0.push(v[2]);
-            factors.v1.push(v[3]);
+            let [q, v] = if h == 0.0 {
+                [[0.0, 0.0, 0.0, 1.0 / stiffness], [0.0; 4]]
+            } else {
+                over(stiffness, damping, h)
+            };
+            let rows = [
+                (&mut factors.qq, q[0] - 1.0),
+                (&mut factors.qv, q[1]),
+                (&mut factors.q0, q[2]),
+                (&mut factors.q1, q[3]),
+                (&mut factors.vq, v[0]),
+                (&mut factors.vv, v[1] - 1.0),
+                (&mut factors.v0, v[2]),
+                (&mut factors.v1, v[3]),
+            ];
+            for (row, factor) in rows {
+                row.push(factor as f32);
+            }
         }
         factors
     }

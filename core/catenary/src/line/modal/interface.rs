@@ -3,9 +3,10 @@ use super::curve::Place;
 use super::modes::Modes;
 use super::slack::{Answers, Candidates};
 use crate::{CurveColumns, WireCurve};
-use dynamics::modal::kernels::{self, Weighted};
+use dynamics::modal::kernels::{self, LANES};
 use dynamics::{Blocks, Force, LowRank, Lu, Motion, State, StepHistory, Updates, Weights};
 use pulp::Arch;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Droppers up to this far from a strip are watched in every step, m: a strip makes droppers slack within a span.
@@ -20,6 +21,10 @@ const MASS: f64 = 1e-6;
 const HELD: f64 = 1e5;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-5;
+/// Forces along droppers that are added in one pass over the modes.
+const AT_ONCE: usize = 4;
+/// Frequency up to which modes are drawn, Hz: those above move wires by less than a line's width.
+const DRAWN: f64 = 30.0;
 /// Step factors kept: those of a step and of what is left of a communication step.
 const KEPT: usize = 3;
 
@@ -39,9 +44,11 @@ pub(super) struct ContactPoint {
     /// Place along the track, m.
     x: f64,
     /// `φₖ(x)` of all modes.
-    pub shape: Vec<f64>,
+    pub shape: Vec<f32>,
     /// `∂φₖ/∂x`.
-    slope: Vec<f64>,
+    slope: Vec<f32>,
+    /// Amplitudes at the end of the step and their rates by a unit force.
+    pub by_force: [Vec<f32>; 2],
 }
 
 impl ContactPoint {
@@ -58,6 +65,7 @@ impl ContactPoint {
             s: [f64::NAN; 2],
             shape: Vec::new(),
             slope: Vec::new(),
+            by_force: [Vec::new(), Vec::new()],
         }
     }
 }
@@ -67,14 +75,15 @@ pub(super) struct Interface {
     modes: Arc<Modes>,
     arch: Arch,
     points: Vec<ContactPoint>,
-    /// Amplitudes, their rates and the forces on them at the end of the last step.
-    q: Vec<f64>,
-    v: Vec<f64>,
-    r: Vec<f64>,
-    /// Amplitudes and rates in single precision, for droppers.
-    narrow: [Vec<f32>; 2],
+    /// Amplitudes, their rates and the forces on them at the end of the last step. Single precision halves the time of a
+    /// step; deflections are good to some ten nanometres.
+    q: Vec<f32>,
+    v: Vec<f32>,
+    r: Vec<f32>,
     /// Modal forces at the end of the next step that take back the dampers of [`Modes::borrowed`] near the strips.
-    repaid: Vec<f64>,
+    repaid: Vec<f32>,
+    /// Droppers and supports whose dampers are taken back, and the forces there, N.
+    repaying: Vec<(usize, f64)>,
     /// Rates of droppers and supports when last looked at, m/s; not a number where a step was left out.
     joint_rates: Vec<f64>,
     /// Force of each strip at the end of the last step, N.
@@ -89,6 +98,8 @@ pub(super) struct Interface {
     /// Tension of each dropper when last looked at, N; negative for what a slack one lacks.
     tensions: Vec<f64>,
     steps: usize,
+    /// Modes up to [`DRAWN`].
+    drawn: usize,
     /// Change of the forces with the deflections of the points, N/m, row by row; and what the factored matrix has.
     slope: Vec<f64>,
     assembled: Vec<f64>,
@@ -107,8 +118,8 @@ struct Step {
     open: bool,
     /// The values below are those of the step.
     begun: bool,
-    q_free: Vec<f64>,
-    v_free: Vec<f64>,
+    q_free: Vec<f32>,
+    v_free: Vec<f32>,
     /// Deflection of the points without forces at the end, m.
     free: Vec<f64>,
     /// Compliance of the points, m/N, row by row, and its factors.
@@ -124,17 +135,23 @@ impl Interface {
         let (count, droppers, contacts) = (modes.count(), modes.droppers(), points.len());
         let mut slope = vec![0.0; contacts * contacts];
         (0..contacts).for_each(|point| slope[point * (contacts + 1)] = HELD);
+        let drawn = modes
+            .stiffness
+            .iter()
+            .take_while(|stiffness| **stiffness < (TAU * DRAWN).powi(2))
+            .count();
         let mut points = points;
         for point in &mut points {
             (point.shape, point.slope) = (vec![0.0; count], vec![0.0; count]);
+            point.by_force = [vec![0.0; count], vec![0.0; count]];
         }
         Self {
             arch: Arch::new(),
             q: vec![0.0; count],
             v: vec![0.0; count],
             r: vec![0.0; count],
-            narrow: [vec![0.0; count], vec![0.0; count]],
             repaid: vec![0.0; count],
+            repaying: Vec::with_capacity(modes.borrowed.len()),
             joint_rates: vec![f64::NAN; modes.borrowed.len()],
             forces: vec![0.0; contacts],
             lacking: vec![0.0; droppers],
@@ -143,6 +160,7 @@ impl Interface {
             residual: vec![0.0; contacts],
             tensions: modes.at_rest.clone(),
             steps: 0,
+            drawn: drawn.next_multiple_of(LANES).min(count),
             assembled: slope.clone(),
             coordinates: points.iter().map(|point| point.coordinate).collect(),
             scaled: slope.clone(),
@@ -163,20 +181,29 @@ impl Interface {
 
     /// A coordinate of the linearised line that has a row, m.
     pub fn deflection_of(&self, coordinate: usize) -> f64 {
+        self.along(coordinate, &self.q)
+    }
+
+    /// As [`Interface::deflection_of`], by modes up to [`DRAWN`]: good enough for a picture.
+    pub fn drawn_deflection_of(&self, coordinate: usize) -> f64 {
         let row = self.modes.at(coordinate);
-        row.map_or(0.0, |row| kernels::dot(self.arch, row, &self.q))
+        row.map_or(0.0, |row| dot(self.arch, &row[..self.drawn], &self.q[..self.drawn]))
     }
 
     /// Rate of [`Interface::deflection_of`], m/s.
     pub fn rate_of(&self, coordinate: usize) -> f64 {
-        let row = self.modes.at(coordinate);
-        row.map_or(0.0, |row| kernels::dot(self.arch, row, &self.v))
+        self.along(coordinate, &self.v)
+    }
+
+    fn along(&self, coordinate: usize, values: &[f32]) -> f64 {
+        self.modes.at(coordinate).map_or(0.0, |row| dot(self.arch, row, values))
     }
 
     /// Kinetic and potential energy of the modes, J.
     pub fn energy_of_modes(&self) -> f64 {
         let modes = self.q.iter().zip(&self.v).zip(&self.modes.stiffness);
-        0.5 * modes.map(|((q, v), stiffness)| v * v + stiffness * q * q).sum::<f64>()
+        let energies = modes.map(|((q, v), stiffness)| f64::from(*v).powi(2) + stiffness * f64::from(*q).powi(2));
+        0.5 * energies.sum::<f64>()
     }
 
     /// Force that a dropper lacks, N: that of a spring that pushes.
@@ -199,8 +226,7 @@ impl Interface {
 
     /// Deflection of a dropper or support by the modes, m, and its rate, m/s.
     fn motion_of(&self, joint: usize) -> [f64; 2] {
-        let [q, v] = &self.narrow;
-        kernels::dot2(self.arch, self.modes.joint(joint), q, v)
+        kernels::dots(self.arch, self.modes.joint(joint), [&self.q, &self.v])
     }
 
     /// Force of a dropper that may push and has a damper of `damper` N·s/m, N.
@@ -213,8 +239,8 @@ impl Interface {
     /// back the dampers of [`Modes::borrowed`] near the strips at the end of the next step, with rates continued in a
     /// straight line.
     fn look_at_droppers(&mut self) {
-        self.repaid.fill(0.0);
         let droppers = self.modes.droppers();
+        self.repaying.clear();
         for joint in 0..self.modes.borrowed.len() {
             let own = (joint < droppers).then_some(joint);
             let x = match own {
@@ -241,10 +267,11 @@ impl Interface {
             let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
             if near && taut && self.step.h > 0.0 {
                 let ahead = if before.is_nan() { rate } else { 2.0 * rate - before };
-                let force = self.modes.borrowed[joint] * ahead;
-                kernels::add(self.arch, force, self.modes.joint(joint), &mut self.repaid);
+                self.repaying.push((joint, self.modes.borrowed[joint] * ahead));
             }
         }
+        self.repaid.fill(0.0);
+        add_joints(self.arch, &self.modes, self.repaying.iter().copied(), &mut self.repaid);
     }
 
     /// Elongation of a dropper by modes left out at the end of the last step, m.
@@ -296,11 +323,11 @@ impl Interface {
                 point.wire.columns(s, &mut point.columns);
                 point.x = point.wire.point(s, &point.rest, &point.rest).r.x;
             }
-            let mut rows: [Weighted<'_>; CurveColumns::CAPACITY] = [(0.0, 0.0, &[]); CurveColumns::CAPACITY];
+            let mut rows = [([0.0; 2], &[][..]); CurveColumns::CAPACITY];
             let mut count = 0;
             for column in point.columns.as_slice() {
                 if let Some(row) = self.modes.at(column.index) {
-                    rows[count] = (column.n.z, column.n_s.z, row);
+                    rows[count] = ([column.n.z, column.n_s.z].map(|weight| weight as f32), row);
                     count += 1;
                 }
             }
@@ -311,13 +338,18 @@ impl Interface {
         let motion = [&self.q[..], &self.v, &self.r];
         let ends = [&mut step.q_free[..], &mut step.v_free];
         kernels::free(arch, factors, motion, &self.repaid, ends);
+        for point in self.points.iter_mut().filter(|point| point.on) {
+            let [q, v] = &mut point.by_force;
+            kernels::products(arch, &point.shape, &factors.q1, q);
+            kernels::products(arch, &point.shape, &factors.v1, v);
+        }
         let contacts = self.points.len();
         for (i, point) in self.points.iter().enumerate() {
-            step.free[i] = kernels::dot(arch, &point.shape, &step.q_free);
+            step.free[i] = dot(arch, &point.shape, &step.q_free);
             for (j, other) in self.points.iter().enumerate().take(i + 1) {
                 let both = point.on && other.on;
                 let value = if both {
-                    kernels::dot3(arch, &point.shape, &other.shape, &factors.q1)
+                    dot(arch, &point.shape, &other.by_force[0])
                         + self.modes.residual_between_points(&point.columns, &other.columns)
                 } else if i == j {
                     1.0 / HELD
@@ -412,6 +444,27 @@ impl Interface {
     }
 }
 
+/// `Σ a b`.
+fn dot(arch: Arch, a: &[f32], b: &[f32]) -> f64 {
+    let [sum] = kernels::dots(arch, a, [b]);
+    sum
+}
+
+/// Adds the modal forces of forces along droppers and supports, N.
+fn add_joints(arch: Arch, modes: &Modes, joints: impl Iterator<Item = (usize, f64)>, forces: &mut [f32]) {
+    let mut rows = [(0.0, &[][..]); AT_ONCE];
+    let mut count = 0;
+    for (joint, force) in joints {
+        rows[count] = (force as f32, modes.joint(joint));
+        count += 1;
+        if count == AT_ONCE {
+            kernels::add(arch, &rows, forces);
+            count = 0;
+        }
+    }
+    kernels::add(arch, &rows[..count], forces);
+}
+
 impl Force for Interface {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.find(motion);
@@ -468,23 +521,23 @@ impl StepHistory for Interface {
         }
         self.r.fill(0.0);
         for (point, force) in self.points.iter().zip(&self.forces) {
-            kernels::add(arch, *force, &point.shape, &mut self.r);
+            kernels::add(arch, &[(*force as f32, &point.shape)], &mut self.r);
         }
-        for (dropper, lacking) in self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0) {
-            kernels::add(arch, -lacking, self.modes.joint(dropper), &mut self.r);
-        }
+        let lacking = self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0);
+        let lacking = lacking.map(|(dropper, lacking)| (dropper, -lacking));
+        add_joints(arch, &self.modes, lacking, &mut self.r);
         let known = [&self.repaid[..], &self.step.q_free, &self.step.v_free];
         let ends = [&mut self.r[..], &mut self.q, &mut self.v];
-        kernels::finish(arch, &self.factors[0].step, known, ends, &mut self.narrow);
+        kernels::finish(arch, &self.factors[0].step, known, ends);
         for (i, point) in self.points.iter_mut().enumerate() {
             self.reached[i] = motion.q[point.coordinate];
-            let of_modes = kernels::dot(arch, &point.shape, &self.q);
+            let [of_modes, rate] = kernels::dots(arch, &point.shape, [&self.q, &self.v]);
             let residual = if point.on { self.reached[i] - of_modes } else { 0.0 };
             let [before, now] = point.s;
             let moved = now - before;
             self.rates[i] = if h > 0.0 && moved.is_finite() {
-                let along = kernels::dot(arch, &point.slope, &self.q) * moved;
-                kernels::dot(arch, &point.shape, &self.v) + (along + residual - self.residual[i]) / h
+                let along = dot(arch, &point.slope, &self.q) * moved;
+                rate + (along + residual - self.residual[i]) / h
             } else {
                 0.0
             };
@@ -521,13 +574,11 @@ impl StepHistory for Interface {
             &self.rates,
             &self.residual,
             &self.slope,
-            &self.q,
-            &self.v,
-            &self.r,
-            &self.repaid,
             &self.joint_rates,
         ];
         all.iter().for_each(|values| out.extend_from_slice(values));
+        let modes = [&self.q, &self.v, &self.r, &self.repaid];
+        out.extend(modes.into_iter().flatten().copied().map(f64::from));
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
@@ -542,21 +593,13 @@ impl StepHistory for Interface {
             &mut self.rates,
             &mut self.residual,
             &mut self.slope,
-            &mut self.q,
-            &mut self.v,
-            &mut self.r,
-            &mut self.repaid,
             &mut self.joint_rates,
         ];
         for values in all {
             values.iter_mut().for_each(|value| *value = next());
         }
-        let motion = [&self.q, &self.v];
-        for (narrow, values) in self.narrow.iter_mut().zip(motion) {
-            for (narrow, value) in narrow.iter_mut().zip(values) {
-                *narrow = *value as f32;
-            }
-        }
+        let modes = [&mut self.q, &mut self.v, &mut self.r, &mut self.repaid];
+        modes.into_iter().flatten().for_each(|value| *value = next() as f32);
         self.step.open = false;
     }
 }

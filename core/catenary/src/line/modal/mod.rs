@@ -23,10 +23,12 @@
 //! slack      droppers that may be slack at the end of a step
 //! curve      the contact wire under one strip
 //! store      modes found before
+//! packed     rows of them as bytes
 //! ```
 mod curve;
 mod interface;
 mod modes;
+mod packed;
 mod slack;
 mod store;
 
@@ -187,7 +189,7 @@ impl OverheadLine for ModalLine {
         let droppers = self.shape.topology().droppers().iter();
         for at in droppers.flat_map(|place| [place.upper, place.lower]) {
             if let Some(index) = self.height(at) {
-                q[index] = self.interface.deflection_of(index);
+                q[index] = self.interface.drawn_deflection_of(index);
             }
         }
         let motion = Motion {
@@ -235,7 +237,7 @@ impl OverheadLine for ModalLine {
         let deflection = |node: &WireNode| {
             node.map
                 .position(2)
-                .map_or(0.0, |index| self.interface.deflection_of(index))
+                .map_or(0.0, |index| self.interface.drawn_deflection_of(index))
         };
         let position = |node: &WireNode| node.position + deflection(node) * Vector3::z();
         self.shape.polylines_of(name, most, position)

@@ -23,8 +23,10 @@ pub(super) struct Modes {
     /// Row of each coordinate of the linearised line.
     row_of: Vec<u32>,
     /// Entries of all modes at the coordinates with rows: those of the contact wires along them, then the vertical ones
-    /// of the other nodes.
-    rows: Vec<f64>,
+    /// of the other nodes. Single precision halves the time that rows take; what the modes left out add makes up for
+    /// the rounding at rest.
+    #[serde(with = "super::packed")]
+    rows: Vec<f32>,
     /// Residual compliance between rows of contact wires, from `NEAR` before to `NEAR` behind each, m/N.
     residual: Vec<f64>,
     /// Law of the droppers, with the dampers that the modes give them.
@@ -39,6 +41,7 @@ pub(super) struct Modes {
     pub dropper_x: Vec<f64>,
     /// `gⱼᵀ φₖ`, dropper after dropper, then the deflections of the supports with dampers. Single precision, which is
     /// a hundredth of a newton, halves the time that droppers take.
+    #[serde(with = "super::packed")]
     joint_rows: Vec<f32>,
     /// Residual deflection of the rows of contact wires by a unit force along each dropper, dropper after dropper, m/N.
     dropper_residual: Vec<f64>,
@@ -104,7 +107,7 @@ impl Modes {
         let mut rows = vec![0.0; at_row.len() * modes];
         for (row, &free) in at_row.iter().enumerate() {
             for (entry, vector) in rows[row * modes..][..modes].iter_mut().zip(&pairs.vectors) {
-                *entry = vector[free];
+                *entry = vector[free] as f32;
             }
         }
         let droppers = linear.droppers().as_slice();
@@ -181,8 +184,9 @@ impl Modes {
             }
             factor.solve_many(&mut answers);
             for (row, k) in (number * BATCH..contact.len()).zip(0..batch.len()) {
+                let own = times(self.row(row), &soft);
                 for other in row.saturating_sub(NEAR)..(row + NEAR + 1).min(contact.len()) {
-                    let of_modes = kernels::dot3(arch, self.row(row), self.row(other), &soft);
+                    let of_modes = kernels::dot(arch, self.row(other), &own);
                     self.residual[row * width + other + NEAR - row] = answers[contact[other]][k] - of_modes;
                 }
             }
@@ -190,14 +194,12 @@ impl Modes {
         let (mut on_contact, mut between) = (Vec::new(), Vec::new());
         for (dropper, gradient) in gradients.iter().enumerate() {
             let answer = factor.solve(gradient.iter().copied());
-            let entries = self.joint(dropper).iter().zip(&soft);
-            let own: Vec<f64> = entries.map(|(d, soft)| f64::from(*d) * soft).collect();
+            let own = times(self.joint(dropper), &soft);
             for (row, &at) in contact.iter().enumerate() {
                 on_contact.push(answer[at] - kernels::dot(arch, self.row(row), &own));
             }
             for (other, gradient) in gradients.iter().enumerate() {
-                let entries = self.joint(other).iter().zip(&own);
-                let of_modes: f64 = entries.map(|(d, own)| f64::from(*d) * own).sum();
+                let of_modes = kernels::dot(arch, self.joint(other), &own);
                 between.push(along(gradient, &answer) - of_modes);
             }
         }
@@ -220,12 +222,12 @@ impl Modes {
     }
 
     /// Entries of all modes at a row.
-    fn row(&self, row: usize) -> &[f64] {
+    fn row(&self, row: usize) -> &[f32] {
         &self.rows[row * self.count()..][..self.count()]
     }
 
     /// Entries of all modes at a coordinate of the linearised line; none at one that is held or has no row.
-    pub fn at(&self, coordinate: usize) -> Option<&[f64]> {
+    pub fn at(&self, coordinate: usize) -> Option<&[f32]> {
         let row = self.row_of[coordinate];
         (row != NONE).then(|| self.row(row as usize))
     }
@@ -268,6 +270,12 @@ impl Modes {
             (row != NONE && column.n.z != 0.0).then_some((row as usize, column.n.z))
         })
     }
+}
+
+/// Products of the entries.
+fn times(row: &[f32], values: &[f64]) -> Vec<f64> {
+    let entries = row.iter().zip(values);
+    entries.map(|(entry, value)| f64::from(*entry) * value).collect()
 }
 
 /// `gᵀ x`.

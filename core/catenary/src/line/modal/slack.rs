@@ -15,6 +15,8 @@ pub(super) struct Answers {
     pub step: StepFactors,
     /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
     between_droppers: Vec<f64>,
+    /// Amplitudes and their rates by a unit force of one dropper.
+    products: [Vec<f32>; 2],
 }
 
 impl Answers {
@@ -22,23 +24,24 @@ impl Answers {
         Self {
             step: StepFactors::new(&modes.stiffness, &modes.damping, h),
             between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
+            products: [vec![0.0; modes.count()], vec![0.0; modes.count()]],
         }
     }
 
     /// Finds the answer of dropper `a` to the force of dropper `b` where it is not yet known.
-    fn need(&mut self, modes: &Modes, a: usize, b: usize) {
-        let answer = &mut self.between_droppers[a * modes.droppers() + b];
-        if !answer.is_nan() {
+    fn need(&mut self, (arch, modes): (Arch, &Modes), [a, b]: [usize; 2]) {
+        if !self.between_droppers[a * modes.droppers() + b].is_nan() {
             return;
         }
-        let rows = modes.joint(a).iter().zip(modes.joint(b));
-        let (mut elongation, mut rate) = (modes.residual_between(a, b), 0.0);
-        for ((a, b), (q1, v1)) in rows.zip(self.step.q1.iter().zip(&self.step.v1)) {
-            let both = f64::from(*a) * f64::from(*b);
-            elongation += both * q1;
-            rate += both * v1;
+        for (product, factor) in self.products.iter_mut().zip([&self.step.q1, &self.step.v1]) {
+            kernels::products(arch, modes.joint(a), factor, product);
         }
-        *answer = modes.law.stiffness * elongation + modes.law.damping * rate;
+        let [elongation, rate] = kernels::dots(arch, modes.joint(b), self.products.each_ref().map(Vec::as_slice));
+        let elongation = elongation + modes.residual_between(a, b);
+        let answer = modes.law.stiffness * elongation + modes.law.damping * rate;
+        // Both ways the same, as the modes are.
+        self.between_droppers[a * modes.droppers() + b] = answer;
+        self.between_droppers[b * modes.droppers() + a] = answer;
     }
 }
 
@@ -56,8 +59,6 @@ pub(super) struct Candidates {
     held: Vec<f64>,
     /// Lacking force of each beyond that at rest at the last solution, N.
     lacking: Vec<f64>,
-    /// Row of a dropper in double precision.
-    wide: Vec<f64>,
 }
 
 impl Candidates {
@@ -72,10 +73,10 @@ impl Candidates {
         &mut self,
         (arch, modes, answers): (Arch, &Modes, &mut Answers),
         (points, compliance): (&[ContactPoint], &Lu),
-        [q_free, v_free]: [&[f64]; 2],
+        [q_free, v_free]: [&[f32]; 2],
         droppers: impl Iterator<Item = (usize, f64)>,
     ) {
-        let (law, step) = (&modes.law, &answers.step);
+        let law = &modes.law;
         for values in [
             &mut self.free,
             &mut self.deflections,
@@ -87,18 +88,16 @@ impl Candidates {
         }
         self.droppers.clear();
         for (dropper, lacking) in droppers {
-            self.wide.resize(modes.count(), 0.0);
-            self.wide.fill(0.0);
-            kernels::add(arch, 1.0, modes.joint(dropper), &mut self.wide);
-            let along = |values: &[f64]| kernels::dot(arch, &self.wide, values);
-            let spring = modes.at_rest[dropper] + law.stiffness * along(q_free);
-            self.free.push(spring + law.damping * along(v_free));
+            let row = modes.joint(dropper);
+            let [elongation, rate] = kernels::dots(arch, row, [q_free, v_free]);
+            let spring = modes.at_rest[dropper] + law.stiffness * elongation;
+            self.free.push(spring + law.damping * rate);
             for point in points {
                 let (mut deflection, mut rate) = (0.0, 0.0);
                 if point.on {
-                    let by_modes = |factor: &[f64]| kernels::dot3(arch, &point.shape, &self.wide, factor);
-                    deflection = by_modes(&step.q1) + modes.residual_by_dropper(&point.columns, dropper);
-                    rate = by_modes(&step.v1);
+                    let [q, v] = &point.by_force;
+                    [deflection, rate] = kernels::dots(arch, row, [q, v]);
+                    deflection += modes.residual_by_dropper(&point.columns, dropper);
                 }
                 self.deflections.push(deflection);
                 self.tensions.push(law.stiffness * deflection + law.damping * rate);
@@ -111,7 +110,7 @@ impl Candidates {
         }
         for &a in &self.droppers {
             for &b in &self.droppers {
-                answers.need(modes, a, b);
+                answers.need((arch, modes), [a, b]);
             }
         }
     }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::{env, fs, io, process};
 
 /// First line of a file; the number changes with the meaning of what follows.
-const FORMAT: &[u8; 24] = b"Pantoline, modes, no. 2\n";
+const FORMAT: &[u8; 24] = b"Pantoline, modes, no. 3\n";
 /// Modes kept by a process, and files kept in the folder; the oldest go first.
 const IN_PROCESS: usize = 4;
 const FILES: usize = 16;
@@ -26,7 +26,9 @@ impl Key {
 
     pub fn add(&mut self, values: impl IntoIterator<Item = f64>) {
         let mut bytes = Vec::new();
-        values.into_iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+        values
+            .into_iter()
+            .for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
         self.0.update((bytes.len() as u64).to_le_bytes());
         self.0.update(bytes);
     }

@@ -1,0 +1,31 @@
+//! Many numbers as one field of bytes, which is read as fast as the disk gives it.
+use serde::de::{Error, Visitor};
+use serde::{Deserializer, Serializer};
+use std::fmt;
+
+/// Writes the numbers, the lowest byte of each first.
+pub(super) fn serialize<S: Serializer>(values: &[f32], serializer: S) -> Result<S::Ok, S::Error> {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    serializer.serialize_bytes(&bytes)
+}
+
+/// Reads the numbers.
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f32>, D::Error> {
+    struct Numbers;
+    impl Visitor<'_> for Numbers {
+        type Value = Vec<f32>;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("four bytes for each number")
+        }
+
+        fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Vec<f32>, E> {
+            let (numbers, rest) = bytes.as_chunks();
+            if !rest.is_empty() {
+                return Err(E::invalid_length(bytes.len(), &self));
+            }
+            Ok(numbers.iter().map(|number| f32::from_le_bytes(*number)).collect())
+        }
+    }
+    deserializer.deserialize_bytes(Numbers)
+}
