@@ -40,6 +40,11 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// accept every first pass from then on, however far off, and with no further pass nothing would ever correct it.
 const LEAST_GAIN: f64 = 0.05;
 
+/// `ωh` that `coupling.force_tolerance` is meant for, –: that of usual heads on usual contacts in steps of 5 ms. A force
+/// that is left over acts for one step, until the next one makes up for it: in a shorter step the same impulse is that of
+/// a larger force.
+const STEP_OF_TOLERANCE: f64 = 0.4;
+
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
 /// the start of the step, with the force that Newton's method gives, until nothing is left to gain.
 ///
@@ -62,7 +67,8 @@ const LEAST_GAIN: f64 = 0.05;
 /// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian `J = d(mean
 /// answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once by a
 /// rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
-/// further pass would change the force by no more than the tolerance: `|J r| ≤ tolerance`.
+/// further pass would change the force by no more than the tolerance, `|J r| ≤ tolerance`, or its impulse by no more than
+/// that in a step of `ωh` = 0.4.
 pub struct InterfaceJacobian {
     force: Force,
     degree: usize,
@@ -130,7 +136,7 @@ impl InterfaceJacobian {
 
     /// Loads from what is known at the present point, and what the defects add to them.
     fn predict(&mut self, sides: &Sides<'_>, exchange: &Exchange, h: f64) {
-        let (before, now) = (exchange.point(1), exchange.point(0));
+        let [now, before, old] = [0, 1, 2].map(|back| exchange.point(back));
         for i in 0..self.given.len() {
             // A step that is repeated where it must be is stable with all of it.
             let number = self.strip_stiffness(i, h).filter(|_| self.passes == 1);
@@ -141,10 +147,18 @@ impl InterfaceJacobian {
             // An opening or a closing in the last step says nothing on the next one.
             let smooth = exchange.known() > 1 && waveform::closed(before, now, i);
             let order = if smooth { self.extrapolation } else { 0 };
+            // One internal step has no curvature of its own.
+            let of_two = order > 1 && self.passes > 1 && exchange.known() > 2 && waveform::closed(old, before, i);
             for axis in 0..AXES {
                 let last = answer(before, now, i, axis, self.force);
                 correction[axis] = exchange.defect(i, axis).correction(h, degree, position);
-                given[axis] = Shape::carried_on(&last, now.t - before.t, h, order, curvature).truncated(degree);
+                let steps = [before.t - old.t, now.t - before.t];
+                given[axis] = if of_two && last.is_straight() {
+                    let ends = [old.contact(i)[contact::FX + axis], last.start, last.end];
+                    Shape::straight_on(ends, steps, h).truncated(degree)
+                } else {
+                    Shape::carried_on(&last, steps[1], h, order, curvature).truncated(degree)
+                };
                 given[axis].add(&correction[axis]);
             }
         }
@@ -247,6 +261,13 @@ impl InterfaceJacobian {
         gain
     }
 
+    /// Largest change by a further pass that is not worth it in steps of `h` s, N.
+    fn tolerance(&self, h: f64) -> f64 {
+        let number = self.stiffness(h).filter(|_| self.carries);
+        let shorter = number.map_or(1.0, |number| STEP_OF_TOLERANCE / number);
+        self.tolerance * shorter.max(1.0)
+    }
+
     /// Loads of the next pass: those answered, moved by Newton's step.
     fn improve(&mut self, sides: &Sides<'_>, exchange: &Exchange) {
         for i in 0..self.given.len() {
@@ -322,9 +343,9 @@ impl Algorithm for InterfaceJacobian {
             taken_back += self.sound(sides, exchange, h)?;
             self.last.fill(None);
             self.secants(exchange, h);
-            let mut gain = self.to_gain(sides, exchange, h);
+            let (mut gain, tolerance) = (self.to_gain(sides, exchange, h), self.tolerance(h));
             for pass in 1.. {
-                if gain <= self.tolerance {
+                if gain <= tolerance {
                     break;
                 }
                 if pass >= self.passes {
@@ -333,7 +354,7 @@ impl Algorithm for InterfaceJacobian {
                         h,
                         iterations: pass,
                         residual: gain,
-                        tolerance: self.tolerance,
+                        tolerance,
                     });
                 }
                 self.improve(sides, exchange);

@@ -15,6 +15,9 @@ use component::Point;
 
 use super::Polynomial;
 
+/// Part of a force by which the mean of a straight line may be off by rounding, –.
+const STRAIGHT: f64 = 1e-12;
+
 /// One force component over a step, N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Waveform {
@@ -62,6 +65,13 @@ impl Waveform {
             mean,
             moment: start / 2.0 + (rise - square) / 6.0 + square / 12.0,
         }
+    }
+
+    /// True for a straight line from start to end as far as moments tell: the line made one internal step.
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
+        let off = self.mean - 0.5 * (self.start + self.end);
+        off.abs() <= STRAIGHT * self.start.abs().max(self.end.abs())
     }
 
     /// Component `component` (0 to 2) of the force on strip `i` over the step from `from` to `to`.
@@ -149,6 +159,15 @@ impl Shape {
             slope / 2.0 + square / 2.0,
             square / 6.0,
         ])
+    }
+
+    /// The straight line over the next `h` s to the parabola through the last three ends, which are `steps` s apart.
+    #[must_use]
+    pub fn straight_on([old, start, end]: [f64; 3], steps: [f64; 2], h: f64) -> Self {
+        let [slope_before, slope] = [(start - old) / steps[0], (end - start) / steps[1]];
+        let square = (slope - slope_before) / (steps[0] + steps[1]);
+        let next = end + h * (slope + square * (h + steps[1]));
+        Self::of(&Waveform::line(end, next))
     }
 
     /// The first terms up to `degree`.
