@@ -169,6 +169,17 @@ fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_th
     // What asks for an error chooses the corrections too.
     let asked = read(EN_300, &["catenary.mesh.error_percent=1"]);
     assert_eq!(elements(&asked), 76);
+    // A step of the file that is too long for the error gives way, one that is asked for beside it does not.
+    let fine = read(EN_300, &["catenary.mesh.error_percent=0.1"]);
+    assert!(fine.solver.micro_step < asked.solver.micro_step);
+    assert!(expected_error(&fine).unwrap().total() <= 0.1);
+    holds(
+        &message(EN_300, &["catenary.mesh.error_percent=0.1", "solver.micro_step=0.001"]),
+        &[
+            "catenary.mesh.error_percent = 0.1 %: must be at least 0.2",
+            "with solver.micro_step = 1 ms",
+        ],
+    );
     // One element for each interval is enough for a long limit.
     assert_eq!(elements(&read(EN_300, &["catenary.mesh.element_length=1000"])), 10);
     // The mass correction is made for steps up to a quarter of a wave's time through 5/6 m, 1.712 ms. Steps longer by
@@ -500,7 +511,7 @@ fn one_mistake_is_one_line() {
     holds(&negative, &["coupling.macro_step.max = -0.001 s: must be positive"]);
     holds(
         &message(EN, &["catenary.mesh={error_percent=1e-300}"]),
-        &["catenary.mesh.error_percent = 1e-300 %: must be at least 0.3 %"],
+        &["catenary.mesh.error_percent = 1e-300 %: must be at least 0.1 %"],
     );
 }
 

@@ -57,6 +57,17 @@ const OTHERS: [&str; 4] = [
     "model.reduce",
 ];
 
+/// Takes out the micro step of a file where an override asks for an error of the mesh: the step is part of the choice.
+pub(crate) fn free_step(root: &mut Table) {
+    let of_override = |path: &str| {
+        root.node_at(path)
+            .is_some_and(|node| matches!(node.at, At::Override(_)))
+    };
+    if of_override("catenary.mesh.error_percent") && !of_override("solver.micro_step") {
+        root.take_at("solver.micro_step");
+    }
+}
+
 /// Choices that the keys of a scene leave to its wish for an accuracy, where it has one.
 ///
 /// A key that is given wins. A wish in an override takes the place of such keys in files, as other overrides do. A mesh

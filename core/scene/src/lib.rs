@@ -86,7 +86,7 @@ pub use files::Files;
 pub use head::{HeadPitch, HeadStrip, StripSpring};
 pub use line_changes::{Change, DropperChange, MassOn, PointMass, Surface};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
-pub use mesh::{AxialStrain, Correction, Element, LEAST_ERROR, Mesh, MeshChoice};
+pub use mesh::{AxialStrain, Correction, Element, Mesh, MeshChoice};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use reference::reference;

@@ -43,8 +43,8 @@ pub enum MeshChoice {
 /// The error of the filtered force that a mesh is chosen for where a scene has none, % of its standard deviation: far
 /// below the scatter of measured contact forces.
 pub(crate) const DEFAULT_ERROR: f64 = 1.0;
-/// Least error that a mesh is chosen for, %: that of the measurements behind the rule.
-pub const LEAST_ERROR: f64 = 0.3;
+/// Least error that a mesh is chosen for, %: down to it the rule was compared with finer meshes.
+const LEAST_ERROR: f64 = 0.1;
 
 choice! {
     /// `catenary.mesh.element`.

@@ -5,7 +5,6 @@ use crate::accuracy::Accuracy;
 use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
-use crate::mesh::LEAST_ERROR;
 
 /// `[run]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,6 +157,8 @@ impl Entry for Run {
     }
 }
 
+/// Least `accuracy_percent`: below, the error of the coupling is not known well enough.
+const LEAST_ERROR: f64 = 0.3;
 /// Largest `accuracy_percent`: beyond, rules of errors are far off.
 const MOST_ERROR: f64 = 10.0;
 /// `accuracy_percent`.

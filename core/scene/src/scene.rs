@@ -1,6 +1,6 @@
 //! The whole scene.
 
-use crate::accuracy::left_open;
+use crate::accuracy::{free_step, left_open};
 use crate::check::Found;
 use crate::error::{SceneError, What};
 use crate::expand::{FILE_KEYS, apply_rules, take_files};
@@ -88,6 +88,7 @@ impl<'a> SceneFile<'a> {
         agree(take_files(&mut root, files))?;
         agree(override_with(&mut root, overrides, |text| !of_files(text)))?;
         agree(apply_rules(&mut root))?;
+        free_step(&mut root);
         let open = left_open(&mut root);
         let mut scene: Scene = read(&root, sources)?;
         if let Some(accuracy) = &mut scene.run.accuracy {

@@ -215,7 +215,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("elements_per_interval = 8", "error_percent = 1.0", &["catenary.mesh.corrections: must be left out: \
         catenary.mesh.error_percent chooses it"]),
     (MESH, "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
-    (MESH, "error_percent = 0.1", &["catenary.mesh.error_percent = 0.1 %: must be at least 0.3 %"]),
+    (MESH, "error_percent = 0.05", &["catenary.mesh.error_percent = 0.05 %: must be at least 0.1 %"]),
     (MESH, "", &["catenary.mesh.elements_per_interval is missing: must be a whole number from 1 to 200, or \
         element_length in m or error_percent in its place"]),
     (MESH, "elements_per_interval = 8\nelement_length = 0.9", &["catenary.mesh.element_length: must be left out: \
@@ -343,7 +343,7 @@ fn one_mistake_is_one_line() {
     holds(&negative, &["coupling.macro_step.max = -0.001 s: must be positive"]);
     holds(
         &message(EN, &["catenary.mesh={error_percent=1e-300}"]),
-        &["catenary.mesh.error_percent = 1e-300 %: must be at least 0.3 %"],
+        &["catenary.mesh.error_percent = 1e-300 %: must be at least 0.1 %"],
     );
 }
 
