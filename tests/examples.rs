@@ -125,7 +125,7 @@ fn sweeps_run_as_printed_and_the_page_shows_the_file_of_the_example() {
 fn the_programs_that_use_the_physics_as_a_library_print_the_force() {
     for name in ["library-one-system", "library-two-components"] {
         let readme = text(&format!("examples/{name}/README.md"));
-        let command = format!("cargo run --release -p system --example {name}");
+        let command = format!("cargo run --release --example {name}");
         assert!(readme.contains(&command), "{name}: no {command}");
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut run = Command::new(cargo);

@@ -1,7 +1,7 @@
 //! A table of σ against static force: an experiment of its own on the engine of the others.
 //!
 //! ```text
-//! cargo run --release -p experiments --example sigma_against_static_force [OUTPUT]
+//! cargo run --release --example sigma_against_static_force [OUTPUT]
 //! ```
 
 use std::error::Error;

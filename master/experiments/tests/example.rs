@@ -12,7 +12,7 @@ fn the_table_of_sigma_against_static_force_is_made_once_and_known_the_next_time(
     // A test that is named alone does not build the examples.
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut build = Command::new(cargo);
-    build.args(["build", "-p", "experiments", "--example", "sigma_against_static_force"]);
+    build.args(["build", "--workspace", "--example", "sigma_against_static_force"]);
     if !cfg!(debug_assertions) {
         build.arg("--release");
     }

@@ -320,9 +320,6 @@ fn motions(scene: &scene::Scene) -> String {
 }
 
 /// Which law of motion the line has, and what is known of its distance from the line as it is.
-///
-/// Distances are rms differences of the 20 Hz force from runs of the same scene with the nonlinear line, on one mesh
-/// and step, in percent of its standard deviation.
 fn motion(scene: &scene::Scene) -> String {
     if scene.model.has(Reduction::Modal) {
         "in its own modes, asked for by model.reduce: linear about the static state and exact in time, with unilateral \
@@ -331,17 +328,12 @@ fn motion(scene: &scene::Scene) -> String {
             .to_owned()
     } else if scene.model.has(Reduction::Flat) {
         "flat, asked for by model.reduce: straight wires that move up and down, for comparison with two-dimensional \
-         programs; the sag \
-         of the messenger wire is left out, which moves the force of EN 50318 lines by 2 to 4 % of its standard \
-         deviation with wire \
-         ends of constant tension and by 10 to 19 % with fixed ones, that of the thesis by 17 to 25 %"
+         programs; without the sag of the messenger wire it is another line, whose measured distance is in the \
+         documentation of reductions"
             .to_owned()
     } else if scene.model.has(Reduction::Linearised) {
         "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and \
-         contact; that moves \
-         the force of EN 50318 lines by 0.5 to 0.8 % of its standard deviation (1.0 to 1.4 % with fixed wire ends), \
-         that of the thesis \
-         by 2.6 % under a lumped pantograph and by 4 to 5 % under its own; on other lines only a run without it tells"
+         contact; its expected distance from the nonlinear line is the share `linearised` of the accuracy"
             .to_owned()
     } else {
         "nonlinear: how far the line linearised about its static state would be from it is known from a run of both \
