@@ -9,36 +9,23 @@ use pulp::{Arch, Simd, WithSimd};
 pub const LANES: usize = 32;
 
 /// Rows that are added in one pass.
-const TOGETHER: usize = 4;
+pub const TOGETHER: usize = 4;
 
-/// Sum of parts.
-fn total(mut parts: [f64; LANES]) -> f64 {
-    let mut width = LANES;
-    while width > 1 {
-        width /= 2;
-        for lane in 0..width {
-            parts[lane] += parts[lane + width];
-        }
-    }
-    parts[0]
-}
-
-/// `Σ a b`, with `a` in either precision.
-pub fn dot<X: Copy + Into<f64>>(arch: Arch, a: &[X], b: &[f64]) -> f64 {
-    struct Dot<'a, X>(&'a [X], &'a [f64]);
-    impl<X: Copy + Into<f64>> WithSimd for Dot<'_, X> {
+/// `Σ a b` in double precision.
+pub fn dot(arch: Arch, a: &[f32], b: &[f64]) -> f64 {
+    struct Dot<'a>(&'a [f32], &'a [f64]);
+    impl WithSimd for Dot<'_> {
         type Output = f64;
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) -> f64 {
             let mut sums = [0.0; LANES];
-            for (a, b) in self.0.as_chunks().0.iter().zip(self.1.as_chunks().0) {
-                let (a, b): (&[X; LANES], &[f64; LANES]) = (a, b);
+            let (a, b) = (self.0.as_chunks::<LANES>().0, self.1.as_chunks::<LANES>().0);
+            for (a, b) in a.iter().zip(b) {
                 for k in 0..LANES {
-                    let a: f64 = a[k].into();
-                    sums[k] += a * b[k];
+                    sums[k] += f64::from(a[k]) * b[k];
                 }
             }
-            total(sums)
+            sums.iter().sum()
         }
     }
     arch.dispatch(Dot(a, b))

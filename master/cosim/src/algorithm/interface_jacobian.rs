@@ -40,7 +40,7 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// accept every first pass from then on, however far off, and with no further pass nothing would ever correct it.
 const LEAST_GAIN: f64 = 0.05;
 
-/// `ωh` that `coupling.force_tolerance` is meant for, –: that of usual heads on usual contacts in steps of 5 ms. A force
+/// `ωh`, or `√(6 |J|)`, that `coupling.force_tolerance` is meant for, –: that of usual heads in steps of 5 ms. A force
 /// that is left over acts for one step, until the next one makes up for it: in a shorter step the same impulse is that of
 /// a larger force.
 const STEP_OF_TOLERANCE: f64 = 0.4;
@@ -263,7 +263,14 @@ impl InterfaceJacobian {
 
     /// Largest change by a further pass that is not worth it in steps of `h` s, N.
     fn tolerance(&self, h: f64) -> f64 {
+        // With a damper in the contact the Jacobian is larger than that of its spring.
+        let of_loop = self
+            .jacobian
+            .iter()
+            .flatten()
+            .map(|jacobian| (6.0 * jacobian.abs()).sqrt());
         let number = self.stiffness(h).filter(|_| self.carries);
+        let number = number.map(|number| of_loop.fold(number, f64::max));
         let shorter = number.map_or(1.0, |number| STEP_OF_TOLERANCE / number);
         self.tolerance * shorter.max(1.0)
     }

@@ -3,7 +3,7 @@ use super::curve::Place;
 use super::modes::Modes;
 use super::slack::{Answers, Candidates};
 use crate::{CurveColumns, WireCurve};
-use dynamics::modal::kernels::{self, LANES};
+use dynamics::modal::kernels::{self, LANES, TOGETHER};
 use dynamics::{Blocks, Force, LowRank, Lu, Motion, State, StepHistory, Updates, Weights};
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -21,8 +21,6 @@ const MASS: f64 = 1e-6;
 const HELD: f64 = 1e5;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-5;
-/// Forces along droppers that are added in one pass over the modes.
-const AT_ONCE: usize = 4;
 /// Frequency up to which modes are drawn, Hz: those above move wires by less than a line's width.
 const DRAWN: f64 = 30.0;
 /// Step factors kept: those of a step and of what is left of a communication step.
@@ -75,8 +73,8 @@ pub(super) struct Interface {
     modes: Arc<Modes>,
     arch: Arch,
     points: Vec<ContactPoint>,
-    /// Amplitudes, their rates and the forces on them at the end of the last step. Single precision halves the time of a
-    /// step; deflections are good to some ten nanometres.
+    /// Amplitudes, their rates and the forces on them at the end of the last step. Single precision halves the memory
+    /// that a step reads, and that is its time; deflections are good to some ten nanometres.
     q: Vec<f32>,
     v: Vec<f32>,
     r: Vec<f32>,
@@ -452,12 +450,12 @@ fn dot(arch: Arch, a: &[f32], b: &[f32]) -> f64 {
 
 /// Adds the modal forces of forces along droppers and supports, N.
 fn add_joints(arch: Arch, modes: &Modes, joints: impl Iterator<Item = (usize, f64)>, forces: &mut [f32]) {
-    let mut rows = [(0.0, &[][..]); AT_ONCE];
+    let mut rows = [(0.0, &[][..]); TOGETHER];
     let mut count = 0;
     for (joint, force) in joints {
         rows[count] = (force as f32, modes.joint(joint));
         count += 1;
-        if count == AT_ONCE {
+        if count == TOGETHER {
             kernels::add(arch, &rows, forces);
             count = 0;
         }

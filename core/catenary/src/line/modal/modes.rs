@@ -23,8 +23,8 @@ pub(super) struct Modes {
     /// Row of each coordinate of the linearised line.
     row_of: Vec<u32>,
     /// Entries of all modes at the coordinates with rows: those of the contact wires along them, then the vertical ones
-    /// of the other nodes. Single precision halves the time that rows take; what the modes left out add makes up for
-    /// the rounding at rest.
+    /// of the other nodes. Single precision halves the memory; what the modes left out add makes up for the rounding at
+    /// rest.
     #[serde(with = "super::packed")]
     rows: Vec<f32>,
     /// Residual compliance between rows of contact wires, from `NEAR` before to `NEAR` behind each, m/N.
