@@ -45,6 +45,20 @@ pub struct Planned<J> {
     pub timing: Timing,
 }
 
+impl<J> Planned<J> {
+    /// A job made beside others.
+    pub fn beside(job: J, work: f64) -> Self {
+        let timing = Timing::Beside;
+        Self { job, work, timing }
+    }
+
+    /// A job that is timed.
+    pub fn alone(job: J, work: f64) -> Self {
+        let timing = Timing::Alone;
+        Self { job, work, timing }
+    }
+}
+
 /// A plan and a judge.
 ///
 /// Jobs are usually single runs ([`super::Run`]); a job that needs several, one after the other, asks its [`Bench`] for

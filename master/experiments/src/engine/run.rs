@@ -300,9 +300,11 @@ pub fn settled(scene: &Scene) -> f64 {
 }
 
 /// Median of some numbers, the lower one of the middle two.
-pub fn median(values: &mut [f64]) -> f64 {
+#[must_use]
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
-    values.get((values.len().max(1) - 1) / 2).copied().unwrap_or(f64::NAN)
+    values.get((values.len().max(1) - 1) / 2).copied()
 }
 
 #[cfg(test)]

@@ -65,8 +65,7 @@ pub(super) fn both_steps(step: f64) -> [String; 2] {
 }
 
 /// The keys that refine the micro step (s) of a run for its reference.
-#[must_use]
-pub fn refined(micro_step: f64) -> Vec<String> {
+pub(super) fn refined(micro_step: f64) -> Vec<String> {
     both_steps(micro_step / REFINED).to_vec()
 }
 
@@ -95,10 +94,8 @@ impl CaseBench<'_> {
         let mut finer_keys = one_keys.clone();
         finer_keys.extend(refined(micro));
         let finer = known!(self.make(&Way::ONE, &finer_keys, None));
-        let name = format!(
-            "monolithic, micro step {:?} s",
-            finer.row.micro_step.unwrap_or(f64::NAN)
-        );
+        let finest = finer.row.micro_step.unwrap_or(f64::NAN);
+        let name = format!("monolithic, micro step {finest:?} s");
         let judge = finer.is_stable().then_some((name.as_str(), &finer));
         let mut one = known!(self.make(&Way::ONE, &one_keys, judge));
         if !finer.is_stable() && one.is_stable() {
@@ -128,25 +125,24 @@ impl CaseBench<'_> {
         }
     }
 
+    /// `true` where a run with other keys is stable.
+    fn is_stable(&self, way: &Way, keys: &[String]) -> Tried<bool> {
+        Ok(self.run(way, keys)?.map(|judged| judged.is_stable()))
+    }
+
     /// The value of the parameter between the harmless and the hard one, by bisection of its logarithm.
     fn by_parameter(&self, way: &Way, parameter: &HardParameter) -> Tried<String> {
         let (name, unit) = parameter.name.split_once(" [").unwrap_or((parameter.name, "]"));
         let unit = unit.trim_end_matches(']');
-        let shown = |value: f64| significant(Some(value)).unwrap_or_default();
-        let (mut good, mut bad) = (parameter.harmless, parameter.hard);
-        if !known!(self.run(way, &[parameter.set(good)])).is_stable() {
-            return Ok(Some(format!("not stable at a {name} of {} {unit} either", shown(good))));
+        let shown = |value: f64| format!("{} {unit}", significant(Some(value)).unwrap_or_default());
+        let mut stable = |value: f64| self.is_stable(way, &[parameter.set(value)]);
+        let ends = (parameter.harmless, parameter.hard);
+        if !known!(stable(ends.0)) {
+            return Ok(Some(format!("not stable at a {name} of {} either", shown(ends.0))));
         }
-        for _ in 0..PARAMETER_BISECTIONS {
-            let middle = (good * bad).sqrt();
-            if known!(self.run(way, &[parameter.set(middle)])).is_stable() {
-                good = middle;
-            } else {
-                bad = middle;
-            }
-        }
+        let (good, bad) = known!(bisected(ends, PARAMETER_BISECTIONS, &mut stable));
         Ok(Some(format!(
-            "stable at a {name} of {} {unit}, not at {} {unit}",
+            "stable at a {name} of {}, not at {}",
             shown(good),
             shown(bad)
         )))
@@ -157,50 +153,49 @@ impl CaseBench<'_> {
         let Some((macro_step, micro)) = steps(self.case, &[]) else {
             return Ok(Some(String::new()));
         };
-        let start = if way.mode == Mode::Monolithic {
-            micro
+        let (which, start) = if way.mode == Mode::Monolithic {
+            ("micro step", micro)
         } else {
-            macro_step
+            ("macro step", macro_step)
         };
-        let keys = |step: f64| {
-            vec![
+        let mut stable = |step: f64| {
+            let keys = [
                 format!("coupling.macro_step={step:?}"),
                 format!("solver.micro_step={:?}", step.min(micro)),
-            ]
+            ];
+            self.is_stable(way, &keys)
         };
-        let (mut unstable, mut stable) = (start, None);
+        let shown = |step: f64| format!("{} ms", (1e6 * step).round() / 1e3);
+        let mut bad = start;
         for _ in 0..HALVINGS {
-            let step = 0.5 * unstable;
-            if known!(self.run(way, &keys(step))).is_stable() {
-                stable = Some(step);
-                break;
+            let step = 0.5 * bad;
+            if known!(stable(step)) {
+                let (good, bad) = known!(bisected((step, bad), BISECTIONS, &mut stable));
+                return Ok(Some(format!(
+                    "stable to a {which} of {}, not at {}",
+                    shown(good),
+                    shown(bad)
+                )));
             }
-            unstable = step;
+            bad = step;
         }
-        let which = if way.mode == Mode::Monolithic {
-            "micro step"
-        } else {
-            "macro step"
-        };
-        let milliseconds = |step: f64| format!("{} ms", (1e6 * step).round() / 1e3);
-        let Some(mut stable) = stable else {
-            return Ok(Some(format!(
-                "not stable down to a {which} of {}",
-                milliseconds(unstable)
-            )));
-        };
-        for _ in 0..BISECTIONS {
-            let step = (stable * unstable).sqrt();
-            if known!(self.run(way, &keys(step))).is_stable() {
-                stable = step;
-            } else {
-                unstable = step;
-            }
-        }
-        Ok(Some(format!(
-            "stable to a {which} of {}, not at {}",
-            milliseconds(stable),
-            milliseconds(unstable)
-        )))
+        Ok(Some(format!("not stable down to a {which} of {}", shown(bad))))
     }
+}
+
+/// A stable and an unstable value brought nearer to each other, their ratio halved so many times.
+pub(super) fn bisected(
+    (mut good, mut bad): (f64, f64),
+    times: u32,
+    stable: &mut dyn FnMut(f64) -> Tried<bool>,
+) -> Tried<(f64, f64)> {
+    for _ in 0..times {
+        let middle = (good * bad).sqrt();
+        if known!(stable(middle)) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    Ok(Some((good, bad)))
 }

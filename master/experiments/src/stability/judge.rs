@@ -10,7 +10,7 @@ use super::cases::{Case, Coupled};
 use super::figures::Figures;
 use super::maps::{Boundary, Map, Task, assemble, tasks};
 use crate::engine::table::{Columns, RunRow, Status};
-use crate::engine::{Bench, Experiment, ExperimentError, Planned, Sheet, Table, Timing};
+use crate::engine::{Bench, Experiment, ExperimentError, Planned, Sheet, Table};
 use results::report::Page;
 use simulation::Mode;
 
@@ -46,14 +46,6 @@ pub struct StabilityTable {
     pub maps: Vec<Map>,
 }
 
-impl StabilityTable {
-    /// Number of rows with a status.
-    #[must_use]
-    pub fn count(&self, status: Status) -> usize {
-        self.lines.iter().filter(|line| line.row.status == Some(status)).count()
-    }
-}
-
 impl Table for StabilityTable {
     fn sheet(&self) -> Sheet {
         let columns = || Columns::of(&self.lines);
@@ -81,11 +73,11 @@ impl Table for StabilityTable {
     }
 
     fn text(&self) -> String {
-        super::text(self)
+        super::text::text(self)
     }
 
     fn sections(&self) -> Page {
-        super::page(self)
+        super::page::page(self)
     }
 }
 
@@ -165,20 +157,13 @@ impl Experiment for Stability {
     type Table = StabilityTable;
 
     fn plan(&self) -> Vec<Planned<StabilityJob>> {
-        let planned = |job, work| Planned {
-            job,
-            work,
-            timing: Timing::Beside,
-        };
         let line = |(index, (case, way)): (usize, &(usize, Way))| {
             // Long ones first, then those that judge others, so that no worker waits for another.
             let slow = if self.cases[*case].slow { 4.0 } else { 2.0 };
-            planned(
-                StabilityJob::Line(index),
-                if *way == Way::ONE { slow + 1.0 } else { slow },
-            )
+            let work = if *way == Way::ONE { slow + 1.0 } else { slow };
+            Planned::beside(StabilityJob::Line(index), work)
         };
-        let curve = |index| planned(StabilityJob::MapCurve(index), 1.0);
+        let curve = |index| Planned::beside(StabilityJob::MapCurve(index), 1.0);
         let lines = self.lines.iter().enumerate().map(line);
         lines.chain((0..self.tasks.len()).map(curve)).collect()
     }

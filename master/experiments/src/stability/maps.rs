@@ -3,9 +3,8 @@
 use scene::Coupling;
 use serde::Serialize;
 
-use super::bench::{CaseBench, Tried, Way, both_steps, known, refined};
+use super::bench::{CaseBench, Tried, Way, bisected, both_steps, known, refined};
 use super::cases::Case;
-use super::figures::Judged;
 use super::judge::ALGORITHMS;
 use crate::engine::Bench;
 use crate::engine::table::{ENERGY, RAW_ERROR};
@@ -27,7 +26,7 @@ const BISECTIONS: u32 = 3;
 const UNIT: f64 = 5e-4;
 
 /// Largest macro step on the line in these units.
-const MOST_UNITS: u32 = 40;
+const MOST_UNITS: f64 = 40.0;
 
 /// Resolution and end of the table of growth over `ωh`, –.
 const NUMBERS: (f64, usize) = (0.02, 200);
@@ -151,40 +150,37 @@ fn ratios(from: f64, to: f64, count: usize) -> Vec<f64> {
 }
 
 /// The curves of all maps, `resolution` points each.
-#[must_use]
-pub fn tasks(resolution: usize) -> Vec<Task> {
+pub(super) fn tasks(resolution: usize) -> Vec<Task> {
+    use CurveKind::{ShortLine, TestProblem, Theory};
+    let few = resolution.div_ceil(2);
+    let three = |from: f64, to: f64, on_the_line: f64| {
+        vec![
+            (Theory, ratios(from, to, resolution)),
+            (TestProblem, ratios(from, to, resolution)),
+            (ShortLine, ratios(from, on_the_line, few.min(3))),
+        ]
+    };
     let mut tasks = Vec::new();
     for (map, of) in MAPS.iter().enumerate() {
-        let stiffness = || ratios(1e4, 1e8, resolution);
-        let few = resolution.div_ceil(2);
-        let ranges: Vec<(CurveKind, Vec<f64>)> = match of.axis {
-            MapAxis::Stiffness => vec![
-                (CurveKind::Theory, stiffness()),
-                (CurveKind::TestProblem, stiffness()),
-                (CurveKind::ShortLine, ratios(1e4, 1e6, few.min(3))),
-            ],
-            MapAxis::HeadMass => vec![
-                (CurveKind::Theory, ratios(0.5, 15.0, resolution)),
-                (CurveKind::TestProblem, ratios(0.5, 15.0, resolution)),
-                (CurveKind::ShortLine, ratios(0.5, 15.0, few.min(3))),
-            ],
+        let ranges = match of.axis {
+            MapAxis::Stiffness => three(1e4, 1e8, 1e6),
+            MapAxis::HeadMass => three(0.5, 15.0, 15.0),
             MapAxis::SpeedRatio => {
                 let last = (few.max(2) - 1) as f64;
                 let ratio = |k: usize| 0.15 + 0.8 * k as f64 / last;
-                vec![(CurveKind::ShortLine, (0..few.max(2)).map(ratio).collect())]
+                vec![(ShortLine, (0..few.max(2)).map(ratio).collect())]
             }
-            MapAxis::MicroStep => vec![(CurveKind::ShortLine, ratios(1e4, 1e7, few + 2))],
+            MapAxis::MicroStep => vec![(ShortLine, ratios(1e4, 1e7, few + 2))],
         };
-        for (kind, x) in ranges {
-            let algorithms: &[&str] = if of.axis == MapAxis::MicroStep {
-                &["monolithic"]
-            } else {
-                &ALGORITHMS
-            };
+        let algorithms = match of.axis {
+            MapAxis::MicroStep => &["monolithic"][..],
+            _ => &ALGORITHMS,
+        };
+        for (kind, x) in &ranges {
             tasks.extend(algorithms.iter().map(|&algorithm| Task {
                 map,
                 algorithm,
-                kind,
+                kind: *kind,
                 x: x.clone(),
             }));
         }
@@ -193,8 +189,7 @@ pub fn tasks(resolution: usize) -> Vec<Task> {
 }
 
 /// The maps with the curves that have been found.
-#[must_use]
-pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
+pub(super) fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
     let mut maps = MAPS.to_vec();
     for (task, points) in tasks.iter().zip(points) {
         if let Some(points) = points {
@@ -209,56 +204,43 @@ pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
     maps
 }
 
-/// The longest stable step between [`STEPS`]: doubled from the shortest one until a run is not stable, then bisected; 0
-/// where the shortest one is not.
-fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
-    let (mut good, mut bad) = (0.0, None);
-    let mut step = STEPS.0;
+/// The longest stable step between two bounds and the shortest one that is not: doubled from the first bound until a
+/// run is not stable; without the latter where all are, without the former where the first bound is not.
+fn doubled((first, last): (f64, f64), stable: &mut dyn FnMut(f64) -> Tried<bool>) -> Tried<(Option<f64>, Option<f64>)> {
+    let (mut good, mut step) = (None, first);
     loop {
-        if !stable(step) {
-            bad = Some(step);
-            break;
+        if !known!(stable(step)) {
+            return Ok(Some((good, Some(step))));
         }
-        good = step;
-        if step >= STEPS.1 {
-            break;
+        good = Some(step);
+        if step >= last {
+            return Ok(Some((good, None)));
         }
-        step = (2.0 * step).min(STEPS.1);
+        step = (2.0 * step).min(last);
     }
-    let Some(mut bad) = bad.filter(|_| good > 0.0) else {
-        return good;
-    };
-    for _ in 0..BISECTIONS {
-        let middle = (good * bad).sqrt();
-        if stable(middle) {
-            good = middle;
-        } else {
-            bad = middle;
+}
+
+/// The longest stable step between [`STEPS`], bisected; 0 where the shortest one is not.
+fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
+    let stable = &mut |step| Ok(Some(stable(step)));
+    let found = doubled(STEPS, stable).and_then(|found| match found {
+        Some((Some(good), Some(bad))) => {
+            bisected((good, bad), BISECTIONS, stable).map(|found| found.map(|ends| ends.0))
         }
-    }
-    good
+        found => Ok(found.and_then(|(good, _)| good)),
+    });
+    // These runs cannot fail, and are not asked to end.
+    found.ok().flatten().unwrap_or(0.0)
 }
 
 /// Longest stable step in whole units of [`UNIT`].
-fn longest_units(stable: &mut dyn FnMut(u32) -> Tried<bool>) -> Tried<u32> {
-    let (mut good, mut bad) = (0, None);
-    let mut units = 1;
-    loop {
-        if !known!(stable(units)) {
-            bad = Some(units);
-            break;
-        }
-        good = units;
-        if units == MOST_UNITS {
-            break;
-        }
-        units = (2 * units).min(MOST_UNITS);
-    }
-    let Some(mut bad) = bad.filter(|_| good > 0) else {
-        return Ok(Some(good));
+fn longest_units(stable: &mut dyn FnMut(f64) -> Tried<bool>) -> Tried<f64> {
+    let (mut good, mut bad) = match known!(doubled((1.0, MOST_UNITS), stable)) {
+        (Some(good), Some(bad)) => (good, bad),
+        (good, _) => return Ok(Some(good.unwrap_or(0.0))),
     };
-    while bad - good > 1 + good / 8 {
-        let middle = good.midpoint(bad);
+    while bad - good > 1.0 + (good / 8.0).floor() {
+        let middle = (0.5 * (good + bad)).floor();
         if known!(stable(middle)) {
             good = middle;
         } else {
@@ -279,10 +261,8 @@ pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
 impl Task {
     /// Finds the points; nothing where an end was asked for.
     pub(super) fn points(&self, bench: &Bench<'_>) -> Tried<Boundary> {
-        let growth = match self.kind {
-            CurveKind::Theory => coupling(self.algorithm).map_or_else(Vec::new, |coupling| growth(&coupling)),
-            _ => Vec::new(),
-        };
+        let theory = coupling(self.algorithm).filter(|_| self.kind == CurveKind::Theory);
+        let growth = theory.map_or_else(Vec::new, |coupling| growth(&coupling));
         let mut points = Vec::new();
         for &x in &self.x {
             let step = match (self.kind, MAPS[self.map].axis) {
@@ -291,7 +271,7 @@ impl Task {
                     let of = format!("boundary of the test problem: {} {axis:?} {x:?}", self.algorithm);
                     known!(bench.value(&of, || self.by_test_problem(x)))
                 }
-                (CurveKind::ShortLine, MapAxis::MicroStep) => known!(micro_step(x, bench)),
+                (CurveKind::ShortLine, MapAxis::MicroStep) => known!(self.micro_step(x, bench)),
                 (CurveKind::ShortLine, _) => known!(self.on_the_line(x, bench)),
             };
             points.push((x, step));
@@ -307,6 +287,18 @@ impl Task {
             MapAxis::SpeedRatio | MapAxis::MicroStep => {}
         }
         parameters
+    }
+
+    /// The short line there.
+    fn short_line(&self, x: f64) -> Case {
+        let mut case = Case::plain();
+        case.disturbance.audited = false;
+        case.overrides.extend(match MAPS[self.map].axis {
+            MapAxis::Stiffness | MapAxis::MicroStep => vec![format!("contact.stiffness={x:?}")],
+            MapAxis::HeadMass => vec![format!("pantograph.0.masses=[{x:?},15.0]")],
+            MapAxis::SpeedRatio => at_speed(x),
+        });
+        case
     }
 
     /// Step at which the growth per step of the contact's oscillation exceeds the decay by its damping, s.
@@ -343,22 +335,15 @@ impl Task {
     }
 
     fn on_the_line(&self, x: f64, bench: &Bench<'_>) -> Tried<f64> {
-        let mut case = Case::plain();
-        case.disturbance.audited = false;
-        match MAPS[self.map].axis {
-            MapAxis::Stiffness => case.overrides.push(format!("contact.stiffness={x:?}")),
-            MapAxis::HeadMass => case.overrides.push(format!("pantograph.0.masses=[{x:?},15.0]")),
-            MapAxis::SpeedRatio => case.overrides.extend(at_speed(x)),
-            MapAxis::MicroStep => {}
-        }
-        let keys = |units: u32| {
-            vec![
+        let keys = |units: f64| {
+            [
                 format!("solver.micro_step={UNIT:?}"),
-                format!("coupling.macro_step={:?}", f64::from(units) * UNIT),
+                format!("coupling.macro_step={:?}", units * UNIT),
             ]
         };
-        let case = CaseBench { case: &case, bench };
-        let one = known!(case.make(&Way::ONE, &keys(1), None));
+        let case = &self.short_line(x);
+        let case = CaseBench { case, bench };
+        let one = known!(case.make(&Way::ONE, &keys(1.0), None));
         let way = Way {
             mode: Mode::Inprocess,
             algorithm: self.algorithm,
@@ -367,26 +352,23 @@ impl Task {
             let made = case.make(&way, &keys(units), Some(("", &one)))?;
             Ok(made.map(|made| made.is_stable()))
         }));
-        Ok(Some(f64::from(units) * UNIT))
+        Ok(Some(units * UNIT))
     }
-}
 
-/// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
-fn micro_step(stiffness: f64, bench: &Bench<'_>) -> Tried<f64> {
-    let mut case = Case::plain();
-    case.disturbance.audited = false;
-    case.overrides.push(format!("contact.stiffness={stiffness:?}"));
-    let case = CaseBench { case: &case, bench };
-    let one = |keys: &[String], judge: Option<(&str, &Judged)>| case.make(&Way::ONE, keys, judge);
-    let mut step = 4e-3;
-    while step >= 1e-4 {
-        let finer = known!(one(&refined(step), None));
-        if known!(one(&both_steps(step), Some(("", &finer)))).is_stable() {
-            return Ok(Some(step));
+    /// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
+    fn micro_step(&self, x: f64, bench: &Bench<'_>) -> Tried<f64> {
+        let case = &self.short_line(x);
+        let case = CaseBench { case, bench };
+        let mut step = 4e-3;
+        while step >= 1e-4 {
+            let finer = known!(case.make(&Way::ONE, &refined(step), None));
+            if known!(case.make(&Way::ONE, &both_steps(step), Some(("", &finer)))).is_stable() {
+                return Ok(Some(step));
+            }
+            step *= std::f64::consts::FRAC_1_SQRT_2;
         }
-        step *= std::f64::consts::FRAC_1_SQRT_2;
+        Ok(Some(0.0))
     }
-    Ok(Some(0.0))
 }
 
 /// The short line at a share `x` of its wave speed, within its length.
@@ -425,17 +407,17 @@ mod tests {
             let found = longest(&mut |step| step <= limit);
             assert!(found <= limit && found > limit / 2.0_f64.powf(0.13), "{limit}: {found}");
         }
-        let units = |stable: &mut dyn FnMut(u32) -> bool| {
+        let units = |stable: &mut dyn FnMut(f64) -> bool| {
             let found = longest_units(&mut |units| Ok(Some(stable(units))));
             found.unwrap().unwrap()
         };
         assert_eq!(longest(&mut |_| false), 0.0);
         assert_eq!(longest(&mut |_| true), STEPS.1);
-        assert_eq!(units(&mut |units| units <= 5), 5);
-        let coarse = units(&mut |units| units <= 23);
-        assert!((21..=23).contains(&coarse), "{coarse}");
+        assert_eq!(units(&mut |units| units <= 5.0), 5.0);
+        let coarse = units(&mut |units| units <= 23.0);
+        assert!((21.0..=23.0).contains(&coarse), "{coarse}");
         assert_eq!(units(&mut |_| true), MOST_UNITS);
-        assert_eq!(units(&mut |_| false), 0);
+        assert_eq!(units(&mut |_| false), 0.0);
     }
 
     #[test]

@@ -74,6 +74,14 @@ pub struct Entry {
     pub vehicle_variant: Option<VehicleVariantName>,
 }
 
+impl Entry {
+    /// What the pantograph stands on; empty words where the scene has no vehicle.
+    pub(super) fn stands_on(&self) -> VehicleVariantName {
+        let (vehicle, track) = ("", "");
+        self.vehicle_variant.unwrap_or(VehicleVariantName { vehicle, track })
+    }
+}
+
 /// A reference and what is known of it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Reference {
@@ -165,11 +173,6 @@ impl Study {
 
 impl Table for Study {
     fn sheet(&self) -> Sheet {
-        let vehicle = |entry: &Entry, word: fn(VehicleVariantName) -> &'static str| {
-            entry
-                .vehicle_variant
-                .map_or_else(String::new, |name| word(name).to_owned())
-        };
         let of_reference = |index: usize, entry: &Entry, known: fn(&Reference) -> Option<f64>| {
             self.reference_of(index, entry).and_then(known).cell()
         };
@@ -190,8 +193,8 @@ impl Table for Study {
             .value("setup_s", |entry| entry.setup_s)
             .count("spans", |entry| entry.spans)
             .count("working_memory_bytes", |entry| entry.working_memory_bytes)
-            .text("vehicle", |entry| vehicle(entry, |name| name.vehicle))
-            .text("track", |entry| vehicle(entry, |name| name.track))
+            .text("vehicle", |entry| entry.stands_on().vehicle.to_owned())
+            .text("track", |entry| entry.stands_on().track.to_owned())
             .text("scene_hash", |_| self.identity.clone())
             .text("settings_hash", |entry| entry.settings.clone());
         Sheet {
@@ -206,11 +209,11 @@ impl Table for Study {
     }
 
     fn text(&self) -> String {
-        super::text(self)
+        super::text::text(self)
     }
 
     fn sections(&self) -> Page {
-        super::page(self)
+        super::page::page(self)
     }
 }
 

@@ -31,6 +31,20 @@ pub(crate) fn text_cells<T, const N: usize>(columns: &[TextColumn<T, N>], entry:
     columns.iter().map(|(_, cell)| cell(entry)).collect()
 }
 
+/// First lines of the tables of one scene: its name and title, and whether runs are missing.
+pub(crate) fn scene_head(scene: &str, title: &str, table: &impl Table) -> String {
+    let mut text = scene.to_owned();
+    if !title.is_empty() {
+        text.push_str(&format!(": {title}"));
+    }
+    text.push('\n');
+    if !table.is_complete() {
+        let (made, all) = table.made();
+        text.push_str(&format!("INCOMPLETE: {made} of {all} runs\n"));
+    }
+    text
+}
+
 /// A remark in lines of at most 116 characters, indented.
 pub(crate) fn wrapped(remark: &str) -> String {
     let (mut text, mut line) = (String::new(), String::from(" "));

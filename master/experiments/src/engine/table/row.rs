@@ -167,6 +167,18 @@ impl RunRow {
         row
     }
 
+    /// `true` where the run is stable.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        self.status == Some(Status::Stable)
+    }
+
+    /// The status of a run that is not stable; nothing where it is, or has not been made.
+    #[must_use]
+    pub fn trouble(&self) -> Option<Status> {
+        self.status.filter(|status| *status != Status::Stable)
+    }
+
     /// Takes in the elements of a line that is so divided.
     pub fn divide(&mut self, line: &Catenary, division: Division) {
         self.elements_per_span = Some(line.elements_per_span(division) as u64);
@@ -206,12 +218,13 @@ impl RunRow {
         self.factorizations = Some(info.cost.factorizations);
     }
 
-    /// Takes in the wall times of all runs that were timed, s; there is at least one.
-    pub fn timed(&mut self, walls: &mut [f64]) {
-        let was = self.wall;
-        let wall = crate::engine::median(walls);
+    /// Takes in the wall times of all runs that were timed, s.
+    pub fn timed(&mut self, walls: &[f64]) {
+        let Some(wall) = crate::engine::median(walls) else {
+            return;
+        };
         // Wall time over simulated time: both grow alike.
-        self.real_time_factor = match (self.real_time_factor, was) {
+        self.real_time_factor = match (self.real_time_factor, self.wall) {
             (Some(factor), Some(was)) if was > 0.0 => Some(factor / was * wall),
             (factor, _) => factor,
         };

@@ -174,7 +174,8 @@ pub fn finished(
     plot_html(&plot, id, height)
 }
 
-fn curve(x: Vec<f64>, y: Vec<f64>, name: &str, colour: &'static str, width: f64) -> Box<Scatter<f64, f64>> {
+/// A line through points, with a name, of a colour and a width in px.
+pub fn curve(x: Vec<f64>, y: Vec<f64>, name: &str, colour: &'static str, width: f64) -> Box<Scatter<f64, f64>> {
     Scatter::new(x, y)
         .mode(Mode::Lines)
         .name(name)
