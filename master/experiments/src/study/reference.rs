@@ -75,10 +75,7 @@ impl Refinement {
 /// Level `number` (from 0) of a refinement.
 fn level(subject: &Subject, family: Family, discretisation: Discretisation, number: u32) -> StudyRun {
     // Plain elements begin where corrected ones have their second level.
-    let both = subject
-        .corrections
-        .as_ref()
-        .is_some_and(|corrections| !corrections.is_empty());
+    let both = !subject.best_corrections().is_empty();
     let ahead = u32::from(discretisation == Discretisation::Plain && both);
     let elements = subject.elements << (number + ahead);
     let micro_step = 0.5 * subject.micro_step / f64::from(1_u32 << number);
@@ -175,10 +172,7 @@ pub fn refine(
 /// Refinements that a study needs for its families.
 #[must_use]
 pub fn wanted(subject: &Subject, families: &[Family]) -> Vec<(Family, Discretisation)> {
-    let both = subject
-        .corrections
-        .as_ref()
-        .is_some_and(|corrections| !corrections.is_empty());
+    let both = !subject.best_corrections().is_empty();
     let mut all = Vec::new();
     for &family in families {
         if both {

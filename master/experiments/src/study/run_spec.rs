@@ -1,7 +1,5 @@
 //! Run of a study: everything that a sweep may change.
 
-use std::fmt::Write as _;
-
 use scene::{Catenary, Division, Scene};
 
 use super::vehicle::{VehicleVariant, VehicleVariantName, own_name, vehicle_variants};
@@ -22,6 +20,12 @@ const CORRECTION_SETS: [&[&str]; 7] = [
     &["mass_correction"],
     &["bending_layers"],
 ];
+
+/// Sets of corrections that go together, best first.
+pub(super) fn correction_sets() -> impl Iterator<Item = Vec<String>> {
+    let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
+    CORRECTION_SETS.iter().map(names)
+}
 
 /// Reductions that change the model: they are judged, and no reference has them.
 const APPROXIMATE: [&str; 4] = ["linearised", "flat", "window", "modal"];
@@ -187,19 +191,14 @@ impl Subject {
     pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
         let text = scene.to_toml();
         let line = scene.modelled_line().map(|(line, _)| line);
-        let reductions = scene
-            .model
-            .reductions
-            .iter()
-            .map(|reduction| reduction.name().to_owned());
+        let reductions = scene.model.reductions.iter().map(|reduction| reduction.name());
+        let exact = reductions.filter(|name| !APPROXIMATE.contains(name));
         let mut subject = Self {
             name: prepared.name.clone(),
             meshed: line.is_some(),
             one_system: OneSystem::can(&scene),
             corrections: None,
-            reductions: reductions
-                .filter(|name| !APPROXIMATE.contains(&name.as_str()))
-                .collect(),
+            reductions: exact.map(str::to_owned).collect(),
             keys: Keys::of(&scene, overrides),
             elements: line.map_or(1, |_| resolving_elements(&scene)),
             intervals: line.map_or(1, Catenary::intervals_per_span),
@@ -220,18 +219,14 @@ impl Subject {
     /// Text of the scene that the keys of a run change.
     #[must_use]
     pub fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
-        spec.vehicle_variant
-            .as_ref()
-            .map_or(&self.text, |vehicle_variant| &vehicle_variant.text)
+        let other = spec.vehicle_variant.as_ref();
+        other.map_or(&self.text, |variant| &variant.text)
     }
 
     /// Vehicle below the pantograph of a run.
     #[must_use]
     pub fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
-        let other = spec
-            .vehicle_variant
-            .as_ref()
-            .map(|vehicle_variant| vehicle_variant.name);
+        let other = spec.vehicle_variant.as_ref().map(|variant| variant.name);
         other.unwrap_or_else(|| own_name(&self.scene))
     }
 
@@ -239,24 +234,17 @@ impl Subject {
         if !self.meshed {
             return None;
         }
-        let found = self
-            .correction_sets()
-            .into_iter()
-            .find(|corrections| self.takes(&self.at_base(corrections_key(corrections))));
-        found.or_else(|| self.takes(&self.at_base(corrections_key(&[]))).then(Vec::new))
-    }
-
-    /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
-    fn at_base(&self, key: String) -> Vec<String> {
+        // Beside the mesh and the step of the base case, which the scene's own may not go with.
         let mesh = division_key(Division::PerInterval(self.elements));
-        vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
+        let micro_step = format!("solver.micro_step={:?}", self.micro_step);
+        let goes =
+            |corrections: &Vec<String>| self.takes(&[mesh.clone(), micro_step.clone(), corrections_key(corrections)]);
+        correction_sets().chain([Vec::new()]).find(goes)
     }
 
-    /// Sets of corrections that go together, best first.
-    #[must_use]
-    pub fn correction_sets(&self) -> Vec<Vec<String>> {
-        let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
-        CORRECTION_SETS.iter().map(names).collect()
+    /// Corrections that the scene takes, all together; none where it takes none.
+    pub(super) fn best_corrections(&self) -> &[String] {
+        self.corrections.as_deref().unwrap_or_default()
     }
 
     /// `true` where the scene can be read with these keys too.
@@ -293,7 +281,7 @@ impl Subject {
     /// The mesh with all corrections that the scene takes.
     #[must_use]
     pub fn corrected(&self, elements: usize) -> Mesh {
-        self.mesh(elements, self.corrections.clone().unwrap_or_default())
+        self.mesh(elements, self.best_corrections().to_vec())
     }
 
     /// A mesh with as many elements in each dropper interval, and some corrections.
@@ -387,23 +375,18 @@ impl Subject {
     pub fn work(&self, spec: &RunSpec) -> f64 {
         let has = |name: &str| spec.reductions.iter().any(|reduction| reduction == name);
         let line = self.scene.modelled_line().map(|(line, _)| line);
-        let elements = line.map_or(1, |line| {
-            line.elements_per_span(match spec.mesh {
-                Mesh::Of { division, .. } => division,
-                Mesh::Scene => line.mesh.division,
-            })
-        });
+        let division = |line: &Catenary| match spec.mesh {
+            Mesh::Of { division, .. } => division,
+            Mesh::Scene => line.mesh.division,
+        };
+        let elements = line.map_or(1, |line| line.elements_per_span(division(line)));
         let spans = spec.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
         /// Spans of a window, roughly.
         const WINDOW: usize = 10;
         let spans = if has("window") { spans.min(WINDOW) } else { spans };
         let per_node = if has("planar") { 4 } else { 6 };
         let coordinates = (2 * per_node * elements * spans) as f64;
-        let duration = if spec.spans.is_some() {
-            GROWTH_DURATION
-        } else {
-            self.scene.run.duration
-        };
+        let duration = spec.spans.map_or(self.scene.run.duration, |_| GROWTH_DURATION);
         let linear = if has("linearised") || has("flat") { 0.3 } else { 1.0 };
         let repeated = match &spec.exchange {
             // Repeated steps cost about three passes.
@@ -433,17 +416,6 @@ fn resolving_elements(scene: &Scene) -> usize {
     2_usize.pow((wanted.log2() - 0.1).ceil().clamp(0.0, 6.0) as u32)
 }
 
-fn list(names: &[String]) -> String {
-    let mut text = String::from("[");
-    for (index, name) in names.iter().enumerate() {
-        let comma = if index > 0 { ", " } else { "" };
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{comma}\"{name}\"");
-    }
-    text.push(']');
-    text
-}
-
 fn division_key(division: Division) -> String {
     match division {
         Division::PerInterval(count) => format!("catenary.mesh.elements_per_interval={count}"),
@@ -455,7 +427,7 @@ fn corrections_key(corrections: &[String]) -> String {
     if corrections.is_empty() {
         "catenary.mesh.corrections=none".to_owned()
     } else {
-        format!("catenary.mesh.corrections={}", list(corrections))
+        format!("catenary.mesh.corrections={corrections:?}")
     }
 }
 
@@ -463,6 +435,6 @@ fn reduce_key(reductions: &[String]) -> String {
     match reductions {
         [] => "model.reduce=none".to_owned(),
         [auto] if auto == AUTO => format!("model.reduce={AUTO}"),
-        reductions => format!("model.reduce={}", list(reductions)),
+        reductions => format!("model.reduce={reductions:?}"),
     }
 }

@@ -1,4 +1,6 @@
-//! Numbers as tables and pages show them.
+//! Numbers and names as tables and pages show them.
+
+use std::borrow::Borrow;
 
 /// Three significant digits, where there is a number.
 pub(crate) fn significant(value: Option<f64>) -> Option<String> {
@@ -26,4 +28,12 @@ pub(crate) fn short(value: Option<f64>) -> String {
 /// Milliseconds without rounding noise.
 pub(crate) fn milliseconds(step: Option<f64>) -> String {
     or_dash(step.map(|step| (1e9 * step).round() / 1e6))
+}
+
+/// Names joined by `+`, or the word for none.
+pub(crate) fn joined<S: Borrow<str>>(names: &[S], none: &str) -> String {
+    if names.is_empty() {
+        return none.to_owned();
+    }
+    names.join("+")
 }

@@ -3,7 +3,7 @@
 use scene::{Catenary, Division, Scene};
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Status};
+use super::{Errors, Status, joined};
 use results::{RunInfo, Summary};
 use simulation::Mode;
 
@@ -137,28 +137,18 @@ impl RunRow {
     #[must_use]
     pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
         let coupled = mode != Mode::Monolithic;
-        let macro_step = scene.coupling.macro_step;
-        let micro = scene.internal_step();
         let line = scene.modelled_line().map(|(line, _)| line);
-        let reductions: Vec<&str> = scene
-            .model
-            .reductions
-            .iter()
-            .map(|reduction| reduction.name())
-            .collect();
+        let reductions = scene.model.reductions.iter();
+        let reductions: Vec<&str> = reductions.map(|reduction| reduction.name()).collect();
         let mut row = Self {
             scene: name.to_owned(),
             mode: mode.name().to_owned(),
             algorithm: if coupled { algorithm.to_owned() } else { String::new() },
             extrapolation: coupled.then_some(scene.coupling.extrapolation as u64),
-            macro_step: coupled.then_some(macro_step),
-            micro_step: Some(micro),
+            macro_step: coupled.then_some(scene.coupling.macro_step),
+            micro_step: Some(scene.internal_step()),
             mesh: line.map_or_else(String::new, |line| line.mesh.name()),
-            reduction: if reductions.is_empty() {
-                "none".to_owned()
-            } else {
-                reductions.join("+")
-            },
+            reduction: joined(&reductions, "none"),
             ..Self::default()
         };
         if let Some(line) = line {
