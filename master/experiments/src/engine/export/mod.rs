@@ -32,7 +32,7 @@ pub(crate) use html::{
 };
 pub use json::Json;
 pub use text::Text;
-pub(crate) use text::{TextColumn, heading, scene_head, text_cells, wrapped};
+pub(crate) use text::{TextColumn, heading, scene_head, text_cells, text_table, wrapped};
 
 /// Values under equal keys, in the order in which the keys come first.
 pub(crate) fn grouped<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
