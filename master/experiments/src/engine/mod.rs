@@ -27,5 +27,6 @@ pub use export::{Exporter, Sheet, Table};
 pub use machine::Machine;
 pub use plan::{Experiment, ExperimentError, Planned, Timing};
 pub use pool::{Bench, Crew, Guard, Site, Timed, execute, side_by_side};
-pub use run::{Attempt, Evidence, Run, Stage, Variant, median, settled};
+pub use run::{Attempt, Evidence, Run, Stage, Variant};
+pub(crate) use run::{median, settled};
 pub use store::{Store, Times};

@@ -111,10 +111,8 @@ impl Bench<'_> {
         };
         let slot = Arc::clone(lock(&self.shared.slots).entry(key.clone()).or_default());
         let mut slot = lock(&slot);
-        let known = slot
-            .upgrade()
-            .or_else(|| self.shared.site.store.run(&key).map(Arc::new));
-        if let Some(made) = known {
+        let store = self.shared.site.store;
+        if let Some(made) = slot.upgrade().or_else(|| store.run(&key).map(Arc::new)) {
             self.skip(part);
             *slot = Arc::downgrade(&made);
             return Ok(Some(made));
@@ -126,7 +124,7 @@ impl Bench<'_> {
         if made.interrupted {
             return Ok(None);
         }
-        self.shared.site.store.keep(&key, &made)?;
+        store.keep(&key, &made)?;
         let made = Arc::new(made);
         *slot = Arc::downgrade(&made);
         Ok(Some(made))
@@ -139,23 +137,19 @@ impl Bench<'_> {
     /// FMUs that cannot be made, a store that cannot be written.
     pub fn timed(&self, run: &Run, repeats: usize, memory: bool) -> Result<Option<Timed>, ExperimentError> {
         let Some(key) = key(run) else {
-            let made = self.run(run)?;
-            return Ok(made.map(|made| Timed {
-                made,
-                times: Times::default(),
-            }));
+            let times = Times::default();
+            return Ok(self.run(run)?.map(|made| Timed { made, times }));
         };
         let store = self.shared.site.store;
         let mut times = store.times(&key);
         let mut made = store.run(&key).map(Arc::new);
         // A run that cannot begin, or does not reach its end, has no time.
-        let ended = |made: &Attempt| made.row.status == Some(Status::Refused) || !made.complete;
+        let ended = |made: &Arc<Attempt>| made.row.status == Some(Status::Refused) || !made.complete;
         let part = 1.0 / repeats.max(1) as f64;
         self.skip(part * repeats.min(times.walls.len()) as f64);
         while made.is_none() || times.walls.len() < repeats {
-            if let Some(made) = made.as_ref().filter(|made| ended(made)) {
-                let made = Arc::clone(made);
-                return Ok(Some(Timed { made, times }));
+            if made.as_ref().is_some_and(&ended) {
+                break;
             }
             if self.is_interrupted() {
                 return Ok(None);
@@ -272,15 +266,12 @@ pub fn execute<E: Experiment>(
         let first = found.len() - jobs.len();
         for timing in [Timing::Beside, Timing::Alone] {
             let mut order: Vec<usize> = (0..jobs.len()).filter(|&index| jobs[index].timing == timing).collect();
+            let mut workers = 1;
             if timing == Timing::Beside {
+                workers = site.workers;
                 // Long jobs first: the last ones to end are short.
                 order.sort_by(|a, b| jobs[*b].work.total_cmp(&jobs[*a].work));
             }
-            let workers = if timing == Timing::Beside {
-                site.workers.max(1)
-            } else {
-                1
-            };
             let one = |index: usize, guard: &Guard| {
                 site.progress.message(&experiment.label(&jobs[index].job));
                 let bench = Bench {
@@ -291,9 +282,8 @@ pub fn execute<E: Experiment>(
                 };
                 let done = experiment.make(&jobs[index].job, &bench)?;
                 if done.is_some() {
-                    site.progress
-                        .beside((bench.share - bench.moved.get()).max(0.0), 1.0)
-                        .fill();
+                    let left = (bench.share - bench.moved.get()).max(0.0);
+                    site.progress.beside(left, 1.0).fill();
                 }
                 Ok::<_, ExperimentError>(done.map(|done| (index, done)))
             };

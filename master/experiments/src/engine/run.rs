@@ -250,15 +250,14 @@ impl Attempt {
         }
         let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(ForceCurve::is_still));
         let errors = errors.filter(|_| !still);
-        let (status, reason) = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
-        row.remark(&reason);
+        let status = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
+        let with_energy = status.0.with_energy(self.energy_share);
+        row.judge(status);
         if still && self.complete {
             row.remark(NO_ERRORS);
         }
-        let (status, reason) = status.with_energy(self.energy_share);
-        row.remark(&reason);
+        row.judge(with_energy);
         self.remarks.iter().for_each(|remark| row.remark(remark));
-        row.status = Some(status);
         row
     }
 }
@@ -292,16 +291,14 @@ pub const SETTLE: f64 = 10.0;
 
 /// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has
 /// settled; not longer than the scene's.
-#[must_use]
-pub fn settled(scene: &Scene) -> f64 {
+pub(crate) fn settled(scene: &Scene) -> f64 {
     let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
     let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
     scene.run.duration.min(end)
 }
 
 /// Median of some numbers, the lower one of the middle two.
-#[must_use]
-pub fn median(values: &[f64]) -> Option<f64> {
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     values.get((values.len().max(1) - 1) / 2).copied()

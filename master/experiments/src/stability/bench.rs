@@ -99,8 +99,8 @@ impl CaseBench<'_> {
         let judge = finer.is_stable().then_some((name.as_str(), &finer));
         let mut one = known!(self.make(&Way::ONE, &one_keys, judge));
         if !finer.is_stable() && one.is_stable() {
-            one.row.status = Some(Status::Limit);
-            one.row.remark(&format!("at a finer micro step: {}", finer.row.reason));
+            let reason = format!("at a finer micro step: {}", finer.row.reason);
+            one.row.judge((Status::Limit, reason));
         }
         if way.mode == Mode::Monolithic {
             return Ok(Some(one));
@@ -111,8 +111,8 @@ impl CaseBench<'_> {
         let name = format!("monolithic, micro step {micro:?} s");
         let mut made = known!(self.make(way, keys, Some((name.as_str(), &one))));
         if made.is_stable() && one.row.status == Some(Status::Limit) {
-            made.row.status = Some(Status::Limit);
-            made.row.remark(&format!("as one system: {}", one.row.reason));
+            made.row
+                .judge((Status::Limit, format!("as one system: {}", one.row.reason)));
         }
         Ok(Some(made))
     }
@@ -120,7 +120,7 @@ impl CaseBench<'_> {
     /// Boundary at which a run that is not stable becomes so.
     pub fn boundary(&self, way: &Way) -> Tried<String> {
         match self.case.parameter {
-            Some(parameter) => self.by_parameter(way, &parameter),
+            Some(parameter) => self.by_parameter(way, parameter),
             None => self.by_step(way),
         }
     }
@@ -131,12 +131,10 @@ impl CaseBench<'_> {
     }
 
     /// The value of the parameter between the harmless and the hard one, by bisection of its logarithm.
-    fn by_parameter(&self, way: &Way, parameter: &HardParameter) -> Tried<String> {
-        let (name, unit) = parameter.name.split_once(" [").unwrap_or((parameter.name, "]"));
-        let unit = unit.trim_end_matches(']');
+    fn by_parameter(&self, way: &Way, parameter: HardParameter) -> Tried<String> {
+        let (name, unit, ends) = parameter.range();
         let shown = |value: f64| format!("{} {unit}", significant(Some(value)).unwrap_or_default());
         let mut stable = |value: f64| self.is_stable(way, &[parameter.set(value)]);
-        let ends = (parameter.harmless, parameter.hard);
         if !known!(stable(ends.0)) {
             return Ok(Some(format!("not stable at a {name} of {} either", shown(ends.0))));
         }

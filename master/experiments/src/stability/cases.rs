@@ -60,7 +60,7 @@ struct Written {
     linkage: bool,
     undamped: Option<f64>,
     set: Vec<String>,
-    hard: Option<Hard>,
+    hard: Option<HardParameter>,
     lift: Vec<[f64; 3]>,
     lowered: bool,
     repeated: bool,
@@ -69,60 +69,37 @@ struct Written {
     slow: bool,
 }
 
-/// The hard value of a parameter.
-#[derive(Clone, Copy, Deserialize)]
+/// The key that makes a case hard, with its value there.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Hard {
+pub enum HardParameter {
     /// N/m.
     ContactStiffness(f64),
     /// kg.
     HeadMass(f64),
 }
 
-/// Algorithms that a case is run with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coupled {
-    /// Every one, and the automatic choice through FMUs.
-    All,
-    /// None: the case has no meaning in a coupled run.
-    No,
-}
-
-/// The key that makes a case hard, from a value that is harmless to the hard one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HardParameter {
-    /// Name, with its unit in brackets.
-    pub name: &'static str,
-    /// The override, with `{}` for the value.
-    pub key: &'static str,
-    /// A value that is harmless; positive.
-    pub harmless: f64,
-    /// The value of the case; positive.
-    pub hard: f64,
-}
-
 impl HardParameter {
-    fn of(hard: Hard) -> Self {
-        match hard {
-            Hard::ContactStiffness(hard) => Self {
-                name: "contact stiffness [N/m]",
-                key: "contact.stiffness={}",
-                harmless: 5e4,
-                hard,
-            },
-            Hard::HeadMass(hard) => Self {
-                name: "head mass [kg]",
-                key: "pantograph.0.masses=[{},15.0]",
-                harmless: 7.2,
-                hard,
-            },
+    /// Name, unit, a value that is harmless, and that of the case; both positive.
+    pub(super) fn range(self) -> (&'static str, &'static str, (f64, f64)) {
+        match self {
+            Self::ContactStiffness(hard) => ("contact stiffness", "N/m", (5e4, hard)),
+            Self::HeadMass(hard) => ("head mass", "kg", (7.2, hard)),
         }
     }
 
-    /// The override that sets it.
-    #[must_use]
-    pub fn set(&self, value: f64) -> String {
-        self.key.replace("{}", &format!("{value:?}"))
+    /// The override that sets it to another value.
+    pub(super) fn set(self, value: f64) -> String {
+        match self {
+            Self::ContactStiffness(_) => format!("contact.stiffness={value:?}"),
+            Self::HeadMass(_) => format!("pantograph.0.masses=[{value:?},15.0]"),
+        }
+    }
+
+    /// The override that makes the case hard.
+    pub(super) fn key(self) -> String {
+        let (.., (_, hard)) = self.range();
+        self.set(hard)
     }
 }
 
@@ -141,8 +118,9 @@ pub struct Case {
     pub disturbance: Disturbance,
     /// Parameter by which its boundary is looked for; the step where there is none.
     pub parameter: Option<HardParameter>,
-    /// Algorithms that it is run with.
-    pub coupled: Coupled,
+    /// `true` where it is run with every algorithm, and with the automatic choice through FMUs; the others have no
+    /// meaning in a coupled run.
+    pub coupled: bool,
     /// `true` where it takes long: no boundary is looked for.
     pub slow: bool,
 }
@@ -162,8 +140,7 @@ impl Case {
             ]);
         }
         overrides.extend(written.set);
-        let parameter = written.hard.map(HardParameter::of);
-        overrides.extend(parameter.map(|parameter| parameter.set(parameter.hard)));
+        overrides.extend(written.hard.map(HardParameter::key));
         let ramp = |&[start, duration, rise]: &[f64; 3]| Ramp { start, duration, rise };
         let ramps: &[[f64; 3]] = if written.lowered { &LOWERED } else { &written.lift };
         Self {
@@ -183,19 +160,14 @@ impl Case {
                 discards: written.discard_one_in.map(|one_in| Discards { seed: 50318, one_in }),
                 deflection: written.deflection.map(|amplitude| Deflection { amplitude }),
             },
-            parameter,
-            coupled: if written.deflection.is_some() {
-                Coupled::No
-            } else {
-                Coupled::All
-            },
+            parameter: written.hard,
+            coupled: written.deflection.is_none(),
             slow: written.slow,
         }
     }
 
     /// The scene that all others change.
-    #[must_use]
-    pub fn plain() -> Self {
+    pub(super) fn plain() -> Self {
         let written = Written {
             name: "plain".to_owned(),
             ..Written::default()
@@ -211,8 +183,7 @@ impl Case {
     }
 
     /// A run of the case in one way, with other keys besides.
-    #[must_use]
-    pub fn run(&self, way: &Way, keys: &[String]) -> Run {
+    pub(super) fn run(&self, way: &Way, keys: &[String]) -> Run {
         let mut overrides = self.overrides.clone();
         if !way.algorithm.is_empty() {
             overrides.push(format!("coupling.algorithm=\"{}\"", way.algorithm));

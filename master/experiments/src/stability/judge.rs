@@ -6,7 +6,7 @@ use serde::Serialize;
 use tempfile::TempDir;
 
 use super::bench::{CaseBench, Way};
-use super::cases::{Case, Coupled};
+use super::cases::Case;
 use super::figures::Figures;
 use super::maps::{Boundary, Map, Task, assemble, tasks};
 use crate::engine::table::{Columns, RunRow, Status};
@@ -123,7 +123,7 @@ impl Stability {
 /// The ways in which a case is run, one system first.
 fn ways(case: &Case, fmus: bool) -> Vec<Way> {
     let mut ways = vec![Way::ONE];
-    if case.coupled == Coupled::All {
+    if case.coupled {
         let coupled = |mode, algorithm| Way { mode, algorithm };
         ways.extend(ALGORITHMS.map(|algorithm| coupled(Mode::Inprocess, algorithm)));
         if fmus {

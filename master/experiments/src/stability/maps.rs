@@ -4,7 +4,7 @@ use scene::Coupling;
 use serde::Serialize;
 
 use super::bench::{CaseBench, Tried, Way, bisected, both_steps, known, refined};
-use super::cases::Case;
+use super::cases::{Case, HardParameter};
 use super::judge::ALGORITHMS;
 use crate::engine::Bench;
 use crate::engine::table::{ENERGY, RAW_ERROR};
@@ -294,8 +294,8 @@ impl Task {
         let mut case = Case::plain();
         case.disturbance.audited = false;
         case.overrides.extend(match MAPS[self.map].axis {
-            MapAxis::Stiffness | MapAxis::MicroStep => vec![format!("contact.stiffness={x:?}")],
-            MapAxis::HeadMass => vec![format!("pantograph.0.masses=[{x:?},15.0]")],
+            MapAxis::Stiffness | MapAxis::MicroStep => vec![HardParameter::ContactStiffness(x).key()],
+            MapAxis::HeadMass => vec![HardParameter::HeadMass(x).key()],
             MapAxis::SpeedRatio => at_speed(x),
         });
         case

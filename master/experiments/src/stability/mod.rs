@@ -25,7 +25,7 @@ mod tests;
 mod text;
 
 pub use bench::Way;
-pub use cases::{Case, Coupled, HardParameter, cases};
+pub use cases::{Case, HardParameter, cases};
 pub use figures::Figures;
 pub use judge::{ALGORITHMS, Line, Stability, StabilityFound, StabilityJob, StabilityTable};
 pub use maps::{CurveKind, Map, MapCurve};

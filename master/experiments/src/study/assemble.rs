@@ -8,14 +8,13 @@ use super::outcome::{Entry, Levels, Reference, Study, label};
 use super::pareto::{pareto, recommendations};
 use super::plan::StudyRun;
 use super::reference::{Refinement, best};
-use super::run_spec::{Class, Exchange, Family};
+use super::run_spec::{Exchange, Family};
 use crate::engine::export::grouped;
 use crate::engine::table::{Errors, ForceCurve, RunRow, Status, milliseconds};
 use simulation::Mode;
 
 /// The study as far as it is known.
-#[must_use]
-pub fn assemble(script: &Script, state: &State) -> Study {
+pub(super) fn assemble(script: &Script, state: &State) -> Study {
     let subject = &script.subject;
     let mut study = Study {
         scene: subject.name.clone(),
@@ -262,39 +261,40 @@ fn orders(state: &State) -> Vec<Order> {
 }
 
 fn notes(study: &Study) -> Vec<String> {
-    let mut notes = Vec::new();
-    for reference in &study.references {
+    let of_reference = |reference: &Reference| {
         let family = reference.family.name();
+        let refinements = reference.refinements.iter();
         let Some(uncertainty) = reference.uncertainty_percent else {
-            let mut why: Vec<&str> = reference.refinements.iter().map(|found| found.ended.as_str()).collect();
+            let mut why: Vec<&str> = refinements.map(|found| found.ended.as_str()).collect();
             why.dedup();
-            notes.push(format!(
-                "{family}: nothing is known of the reference's own error: {}",
-                why.join("; ")
+            let why = why.join("; ");
+            return Some(format!(
+                "{family}: nothing is known of the reference's own error: {why}"
             ));
-            continue;
         };
-        if !reference.converged {
-            let why: Vec<String> = reference
-                .refinements
-                .iter()
-                .map(|found| format!("{}: {}", found.discretisation.name(), found.ended))
-                .collect();
-            notes.push(format!(
-                "{family}: the reference has not converged, its last two levels differ by {uncertainty:.2} % of σ \
-                 ({}); errors below that mean nothing",
-                why.join("; ")
-            ));
-        }
-    }
-    let classes: Vec<Class> = study.rows.iter().map(|entry| Class::of(&entry.row.reduction)).collect();
-    if let Some(found) = study.reference(Family::Linearised)
-        && classes.iter().any(|class| class.family == Family::Linearised)
-        && let Some(distance) = found.distance_from_nonlinear_percent
-    {
-        notes.push(format!(
-            "the converged linearised line differs from the converged nonlinear one by {distance:.2} % of σ"
-        ));
-    }
-    notes
+        let why = refinements.map(|found| format!("{}: {}", found.discretisation.name(), found.ended));
+        let why = why.collect::<Vec<_>>().join("; ");
+        let note = format!(
+            "{family}: the reference has not converged, its last two levels differ by {uncertainty:.2} % of σ ({why}); \
+             errors below that mean nothing"
+        );
+        (!reference.converged).then_some(note)
+    };
+    let linearised = study.reference(Family::Linearised);
+    let has_runs = study
+        .rows
+        .iter()
+        .any(|entry| Family::of(&entry.row.reduction) == Family::Linearised);
+    let distance = linearised
+        .filter(|_| has_runs)
+        .and_then(|found| found.distance_from_nonlinear_percent);
+    let distance = distance.map(|distance| {
+        format!("the converged linearised line differs from the converged nonlinear one by {distance:.2} % of σ")
+    });
+    study
+        .references
+        .iter()
+        .filter_map(of_reference)
+        .chain(distance)
+        .collect()
 }

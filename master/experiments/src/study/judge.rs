@@ -1,5 +1,6 @@
 //! The plan of a study carried out: errors in parallel, times one at a time, nothing twice.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -60,16 +61,12 @@ pub fn script(
     let identity = identity(&scene, base);
     let subject = Subject::of(scene, &prepared, overrides, options.sweeps_over(Sweep::Vehicle));
     let planned = plan(&subject, &options);
-    let mut families: Vec<Family> = planned
-        .iter()
-        .filter(|run| run.scene.is_some() && run.sweeps.iter().any(|sweep| sweep.is_judged_by_reference()))
-        .map(|run| run.class().family)
-        .collect();
+    let judged = |run: &&StudyRun| run.scene.is_some() && run.sweeps.iter().any(|sweep| sweep.is_judged_by_reference());
+    let families = planned.iter().filter(judged).map(|run| run.class().family);
+    let mut families: BTreeSet<Family> = families.collect();
     if !families.is_empty() {
-        families.push(Family::Nonlinear);
+        families.insert(Family::Nonlinear);
     }
-    families.sort();
-    families.dedup();
     Ok(Script {
         refinements: wanted(&subject, &families),
         subject,

@@ -34,10 +34,9 @@ mod tests;
 mod text;
 mod vehicle;
 
-pub use identity::{identity, settings};
 pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
 pub use options::{Options, Sweep};
-pub use order::{Order, order};
+pub use order::Order;
 pub use outcome::{Entry, Levels, Reference, Study};
 pub use pareto::{Recommendation, TARGETS};
 pub use plan::StudyRun;

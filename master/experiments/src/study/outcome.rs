@@ -1,6 +1,6 @@
 //! Results of a study.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::options::Sweep;
 use super::order::Order;
@@ -46,7 +46,7 @@ pub struct Study {
 }
 
 /// One run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
     /// The columns of all tables.
     #[serde(flatten)]
@@ -70,11 +70,16 @@ pub struct Entry {
     /// Hash of the keys that no run specification says.
     pub settings: String,
     /// Vehicle below the pantograph; nothing where the scene has none.
-    #[serde(flatten)]
+    #[serde(flatten, skip_deserializing)]
     pub vehicle_variant: Option<VehicleVariantName>,
 }
 
 impl Entry {
+    /// `true` where it is part of a sweep.
+    pub(super) fn is_in(&self, sweep: Sweep) -> bool {
+        self.sweep.split('+').any(|name| name == sweep.name())
+    }
+
     /// What the pantograph stands on; empty words where the scene has no vehicle.
     pub(super) fn stands_on(&self) -> VehicleVariantName {
         let (vehicle, track) = ("", "");
@@ -129,20 +134,17 @@ pub struct Levels {
 impl Study {
     /// The rows of a sweep.
     pub fn of(&self, sweep: Sweep) -> impl Iterator<Item = &Entry> {
-        let part = move |entry: &&Entry| entry.sweep.split('+').any(|name| name == sweep.name());
-        self.rows.iter().filter(part)
+        self.rows.iter().filter(move |entry| entry.is_in(sweep))
     }
 
     /// The reference of a family.
-    #[must_use]
-    pub fn reference(&self, family: Family) -> Option<&Reference> {
+    pub(super) fn reference(&self, family: Family) -> Option<&Reference> {
         self.references.iter().find(|found| found.family == family)
     }
 
     /// Caveat on an error of `target` percent that a row of a family is claimed to have; nothing where the reference is
     /// known as well as that.
-    #[must_use]
-    pub fn caveat(&self, family: Family, target: f64) -> String {
+    pub(super) fn caveat(&self, family: Family, target: f64) -> String {
         let reference = self.reference(family);
         let open = reference.filter(|found| found.uncertainty_percent.is_none_or(|percent| percent > target));
         open.map_or_else(String::new, |found| {
@@ -159,14 +161,12 @@ impl Study {
     }
 
     /// Name of a row: mesh, micro step, coupling, reductions.
-    #[must_use]
-    pub fn label(&self, row: &RunRow) -> String {
+    pub(super) fn label(&self, row: &RunRow) -> String {
         label(row, self.intervals)
     }
 
     /// Settings of the same run, in words.
-    #[must_use]
-    pub fn advice(&self, entry: &Entry) -> String {
+    pub(super) fn advice(&self, entry: &Entry) -> String {
         format!("{}, Newton to {} N", self.label(&entry.row), entry.newton_tolerance)
     }
 }

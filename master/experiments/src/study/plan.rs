@@ -28,8 +28,7 @@ pub struct StudyRun {
 
 impl StudyRun {
     /// Run of a specification.
-    #[must_use]
-    pub fn new(subject: &Subject, spec: RunSpec, sweep: Sweep) -> Self {
+    pub(super) fn new(subject: &Subject, spec: RunSpec, sweep: Sweep) -> Self {
         let variant = subject.variant(&spec);
         let scene = system::load(subject.text_of(&spec), &subject.name, &variant.overrides).ok();
         let row = match &scene {
@@ -47,8 +46,7 @@ impl StudyRun {
     }
 
     /// `true` where two runs are one.
-    #[must_use]
-    pub fn same(&self, other: &Self) -> bool {
+    pub(super) fn same(&self, other: &Self) -> bool {
         // What stands on no track is judged by what stands on each.
         let track = |run: &Self| {
             run.spec
@@ -76,20 +74,17 @@ impl StudyRun {
     }
 
     /// `true` where the run is there for the vehicle alone: nothing else competes with it.
-    #[must_use]
-    pub fn is_for_vehicle(&self) -> bool {
+    pub(super) fn is_for_vehicle(&self) -> bool {
         self.sweeps == [Sweep::Vehicle]
     }
 
     /// `true` where it is there for the growth of cost with the number of spans.
-    #[must_use]
-    pub fn is_growth(&self) -> bool {
+    pub(super) fn is_growth(&self) -> bool {
         self.sweeps.contains(&Sweep::Spans)
     }
 
     /// Rows that it competes with.
-    #[must_use]
-    pub fn class(&self) -> Class {
+    pub(super) fn class(&self) -> Class {
         Class::of(&self.spec.reductions.join("+"))
     }
 }

@@ -1,5 +1,6 @@
 //! References: a run refined until two successive levels agree.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -29,8 +30,7 @@ pub enum Discretisation {
 
 impl Discretisation {
     /// The word of tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Corrected => "corrected",
             Self::Plain => "plain",
@@ -66,8 +66,7 @@ pub struct Refinement {
 
 impl Refinement {
     /// Difference of the last two levels, %: what is not known of the finest; `None` with one level.
-    #[must_use]
-    pub fn uncertainty(&self) -> Option<f64> {
+    pub(super) fn uncertainty(&self) -> Option<f64> {
         self.levels.last().and_then(|level| level.difference)
     }
 }
@@ -99,8 +98,12 @@ fn level(subject: &Subject, family: Family, discretisation: Discretisation, numb
 }
 
 /// Work of the levels that a refinement is expected to need.
-#[must_use]
-pub fn expected_work(subject: &Subject, options: &Options, family: Family, discretisation: Discretisation) -> f64 {
+pub(super) fn expected_work(
+    subject: &Subject,
+    options: &Options,
+    family: Family,
+    discretisation: Discretisation,
+) -> f64 {
     let works = (0..3).map(|number| level(subject, family, discretisation, number).work);
     works.filter(|work| *work <= options.work).sum()
 }
@@ -138,14 +141,10 @@ pub fn refine(
             return Ok(None);
         };
         if made.row.status == Some(Status::Refused) || !made.complete || made.curves.is_empty() {
-            let micro_step = 1e3 * planned.spec.micro_step;
+            let (level, micro_step) = (number + 1, 1e3 * planned.spec.micro_step);
             let mut row = made.row.clone();
             made.remarks.iter().for_each(|remark| row.remark(remark));
-            found.ended = format!(
-                "level {} (micro step {micro_step} ms) did not run: {}",
-                number + 1,
-                row.reason
-            );
+            found.ended = format!("level {level} (micro step {micro_step} ms) did not run: {}", row.reason);
             break;
         }
         let still = made.curves.iter().any(ForceCurve::is_still);
@@ -156,13 +155,9 @@ pub fn refine(
             made,
             difference,
         });
-        if difference.is_some_and(|difference| difference <= options.tolerance) {
-            found.converged = true;
-            found.ended.clear();
-            break;
-        }
-        if still {
-            found.ended = NO_ERRORS.to_owned();
+        found.converged = difference.is_some_and(|difference| difference <= options.tolerance);
+        if found.converged || still {
+            found.ended = if found.converged { "" } else { NO_ERRORS }.to_owned();
             break;
         }
     }
@@ -170,8 +165,7 @@ pub fn refine(
 }
 
 /// Refinements that a study needs for its families.
-#[must_use]
-pub fn wanted(subject: &Subject, families: &[Family]) -> Vec<(Family, Discretisation)> {
+pub(super) fn wanted(subject: &Subject, families: &BTreeSet<Family>) -> Vec<(Family, Discretisation)> {
     let both = !subject.best_corrections().is_empty();
     let mut all = Vec::new();
     for &family in families {
@@ -187,11 +181,9 @@ pub fn wanted(subject: &Subject, families: &[Family]) -> Vec<(Family, Discretisa
 }
 
 /// The reference of a family: the refinement that is known best.
-#[must_use]
-pub fn best(refinements: &[Refinement], family: Family) -> Option<&Refinement> {
-    let of_family = refinements
-        .iter()
-        .filter(|found| found.family == family && !found.levels.is_empty());
+pub(super) fn best(refinements: &[Refinement], family: Family) -> Option<&Refinement> {
+    let is = |found: &&Refinement| found.family == family && !found.levels.is_empty();
     let known = |found: &Refinement| found.uncertainty().unwrap_or(f64::INFINITY);
+    let of_family = refinements.iter().filter(is);
     of_family.min_by(|a, b| known(a).total_cmp(&known(b)))
 }

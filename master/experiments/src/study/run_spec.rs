@@ -47,8 +47,7 @@ impl Family {
     pub const ALL: [Self; 3] = [Self::Nonlinear, Self::Linearised, Self::Flat];
 
     /// The word of tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Nonlinear => "nonlinear",
             Self::Linearised => "linearised",
@@ -57,8 +56,7 @@ impl Family {
     }
 
     /// Value for a set of reductions, joined by `+`.
-    #[must_use]
-    pub fn of(reductions: &str) -> Self {
+    pub(super) fn of(reductions: &str) -> Self {
         let has = |name: &str| reductions.split('+').any(|reduction| reduction == name);
         if has(Self::Flat.name()) {
             Self::Flat
@@ -81,8 +79,7 @@ pub struct Class {
 
 impl Class {
     /// Value for a set of reductions, joined by `+`.
-    #[must_use]
-    pub fn of(reductions: &str) -> Self {
+    pub(super) fn of(reductions: &str) -> Self {
         Self {
             family: Family::of(reductions),
             window: reductions.split('+').any(|reduction| reduction == "window"),
@@ -90,8 +87,7 @@ impl Class {
     }
 
     /// Its name for reading.
-    #[must_use]
-    pub fn name(self) -> String {
+    pub(super) fn name(self) -> String {
         let window = if self.window { ", window" } else { ", whole line" };
         format!("{}{window}", self.family.name())
     }
@@ -187,8 +183,7 @@ pub struct Subject {
 impl Subject {
     /// Subject of a scene which `master check` accepts, as read with these overrides and as prepared; with other
     /// vehicles that the pantograph may stand on, which takes runs of the vehicle, where `vehicles` is true.
-    #[must_use]
-    pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
+    pub(super) fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
         let text = scene.to_toml();
         let line = scene.modelled_line().map(|(line, _)| line);
         let reductions = scene.model.reductions.iter().map(|reduction| reduction.name());
@@ -217,15 +212,13 @@ impl Subject {
     }
 
     /// Text of the scene that the keys of a run change.
-    #[must_use]
-    pub fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
+    pub(super) fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
         let other = spec.vehicle_variant.as_ref();
         other.map_or(&self.text, |variant| &variant.text)
     }
 
     /// Vehicle below the pantograph of a run.
-    #[must_use]
-    pub fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
+    pub(super) fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
         let other = spec.vehicle_variant.as_ref().map(|variant| variant.name);
         other.unwrap_or_else(|| own_name(&self.scene))
     }
@@ -248,20 +241,17 @@ impl Subject {
     }
 
     /// `true` where the scene can be read with these keys too.
-    #[must_use]
-    pub fn takes(&self, overrides: &[String]) -> bool {
+    pub(super) fn takes(&self, overrides: &[String]) -> bool {
         system::load(&self.text, &self.name, overrides).is_ok()
     }
 
     /// `true` where the scene takes a set of reductions.
-    #[must_use]
-    pub fn takes_reductions(&self, reductions: &[String]) -> bool {
+    pub(super) fn takes_reductions(&self, reductions: &[String]) -> bool {
         self.meshed && self.takes(&[reduce_key(reductions)])
     }
 
     /// The scene's reductions and one more.
-    #[must_use]
-    pub fn with(&self, names: &[&str]) -> Vec<String> {
+    pub(super) fn with(&self, names: &[&str]) -> Vec<String> {
         let mut all = self.reductions.clone();
         for name in names {
             if !all.iter().any(|had| had == name) {
@@ -272,21 +262,18 @@ impl Subject {
     }
 
     /// Reductions that change nothing at all.
-    #[must_use]
-    pub fn exact(&self) -> Vec<String> {
+    pub(super) fn exact(&self) -> Vec<String> {
         let planar = self.meshed && self.scene.leaves_its_plane().is_none();
         if planar { vec!["planar".to_owned()] } else { Vec::new() }
     }
 
     /// The mesh with all corrections that the scene takes.
-    #[must_use]
-    pub fn corrected(&self, elements: usize) -> Mesh {
+    pub(super) fn corrected(&self, elements: usize) -> Mesh {
         self.mesh(elements, self.best_corrections().to_vec())
     }
 
     /// A mesh with as many elements in each dropper interval, and some corrections.
-    #[must_use]
-    pub fn mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
+    pub(super) fn mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         if self.meshed {
             let division = Division::PerInterval(elements);
             Mesh::Of { division, corrections }
@@ -297,8 +284,7 @@ impl Subject {
 
     /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some
     /// corrections.
-    #[must_use]
-    pub fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
+    pub(super) fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
             division: catenary::mesh::evenly_divided(line, elements),
             corrections,
@@ -306,8 +292,7 @@ impl Subject {
     }
 
     /// Coupling of runs that are one system where that can be.
-    #[must_use]
-    pub fn plain_exchange(&self, micro_step: f64) -> Exchange {
+    pub(super) fn plain_exchange(&self, micro_step: f64) -> Exchange {
         if self.one_system {
             return Exchange::None;
         }
@@ -319,8 +304,7 @@ impl Subject {
     }
 
     /// Variant of the scene for a run.
-    #[must_use]
-    pub fn variant(&self, spec: &RunSpec) -> Variant {
+    pub(super) fn variant(&self, spec: &RunSpec) -> Variant {
         let mut keys = Vec::new();
         if let (Mesh::Of { division, corrections }, true) = (&spec.mesh, self.meshed) {
             keys.push(division_key(*division));
@@ -371,8 +355,7 @@ impl Subject {
     }
 
     /// Work of a run: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
-    #[must_use]
-    pub fn work(&self, spec: &RunSpec) -> f64 {
+    pub(super) fn work(&self, spec: &RunSpec) -> f64 {
         let has = |name: &str| spec.reductions.iter().any(|reduction| reduction == name);
         let line = self.scene.modelled_line().map(|(line, _)| line);
         let division = |line: &Catenary| match spec.mesh {

@@ -3,6 +3,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Division, Scene};
 
+use super::identity::{identity, settings};
 use super::page::page;
 use super::text::text;
 use super::*;

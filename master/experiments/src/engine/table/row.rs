@@ -169,6 +169,12 @@ impl RunRow {
         self.status.filter(|status| *status != Status::Stable)
     }
 
+    /// Takes in a status and, where there is one, its reason.
+    pub fn judge(&mut self, (status, reason): (Status, String)) {
+        self.status = Some(status);
+        self.remark(&reason);
+    }
+
     /// Takes in the elements of a line that is so divided.
     pub fn divide(&mut self, line: &Catenary, division: Division) {
         self.elements_per_span = Some(line.elements_per_span(division) as u64);
@@ -255,20 +261,16 @@ pub fn observed_orders(rows: &mut [RunRow]) {
         (Some(Status::Stable), Some(step), Some(error)) if error > 0.0 && error.is_finite() => Some((step, error)),
         _ => None,
     };
-    let orders: Vec<Option<f64>> = rows
-        .iter()
-        .map(|row| {
-            let (step, error) = point(row)?;
-            let smaller = rows
-                .iter()
-                .filter(|other| other.method() == row.method() && other.macro_step.is_some_and(|other| other < step));
-            // The neighbour must itself be stable: no order across a step that is not.
-            let neighbour =
-                smaller.max_by(|a, b| a.macro_step.unwrap_or(0.0).total_cmp(&b.macro_step.unwrap_or(0.0)))?;
-            let (before, was) = point(neighbour)?;
-            Some((error / was).ln() / (step / before).ln())
-        })
-        .collect();
+    let order = |row: &RunRow| {
+        let (step, error) = point(row)?;
+        let of_method = rows.iter().filter(|other| other.method() == row.method());
+        let smaller = of_method.filter_map(|other| Some((other.macro_step.filter(|other| *other < step)?, other)));
+        // The neighbour must itself be stable: no order across a step that is not.
+        let (_, neighbour) = smaller.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (before, was) = point(neighbour)?;
+        Some((error / was).ln() / (step / before).ln())
+    };
+    let orders: Vec<Option<f64>> = rows.iter().map(order).collect();
     for (row, order) in rows.iter_mut().zip(orders) {
         row.order = order;
     }
