@@ -6,15 +6,12 @@ use plotly::layout::Axis;
 
 use super::Comparison;
 use super::plan::algorithms;
-use crate::engine::export::plot::{ERROR, Trace, colour, dotted, figure, marked_axis, points, run_curve};
-use crate::engine::export::{
-    PageColumn, cell, fixed, grouped, heads, lined, number, reasons, run_lines, scene_lead, scrolled, spanning,
-    status_rule, status_span, step,
-};
+use crate::engine::export::plot::{ERROR, dotted, marked_axis, points, run_curve};
+use crate::engine::export::{fixed, grouped, number, reasons, run_lines, scene_lead, status_rule, status_span, step};
 use crate::engine::run::SETTLE;
 use crate::engine::table::{AUTO, RunRow, Status, milliseconds};
-use results::report::plots::{axis, curve, decades_of, layout, rounded};
-use results::report::{Page, escape, remarks};
+use results::report::plots::{Trace, axis, colour, curve, decades_of, figure, layout, rounded};
+use results::report::{Page, PageColumn, cell, escape, heads, lined, remarks, scrolled, spanning};
 use simulation::Mode;
 
 /// Colour of the monolithic runs.

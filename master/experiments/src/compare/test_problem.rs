@@ -5,11 +5,11 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::page::step_heads;
-use crate::engine::export::{TextColumn, cell, heading, lined, status_span, text_cells};
+use crate::engine::export::status_span;
 use crate::engine::table::{Columns, RunRow, Status, milliseconds, short};
 use crate::engine::{Bench, Experiment, ExperimentError, Machine, Planned, Sheet, Table};
 use cosim::test_problem::{self, Case};
-use results::report::{Page, aligned, escape};
+use results::report::{Page, TextColumn, aligned, cell, escape, heading, lined, text_cells};
 use results::statistics::ForceStatistics;
 use simulation::Mode;
 

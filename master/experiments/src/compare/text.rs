@@ -1,9 +1,9 @@
 //! The table on the terminal.
 
 use super::Comparison;
-use crate::engine::export::{TextColumn, fixed, heading, scene_head, status_word, text_cells, wrapped};
+use crate::engine::export::{fixed, scene_head, status_word, wrapped};
 use crate::engine::table::{RunRow, milliseconds, or_dash, short};
-use results::report::aligned;
+use results::report::{TextColumn, aligned, decimals, heading, text_cells};
 
 /// Columns of the table.
 const COLUMNS: &[TextColumn<RunRow, 2>] = &[
@@ -15,9 +15,9 @@ const COLUMNS: &[TextColumn<RunRow, 2>] = &[
     (["", "order"], |row| fixed(row.order, 1)),
     (["raw", "rms % σ"], |row| short(row.raw_error)),
     (["σ", "%"], |row| short(row.std_error)),
-    (["loss", "%"], |row| or_dash(row.loss.map(|loss| format!("{loss:.2}")))),
+    (["loss", "%"], |row| decimals(row.loss, 2)),
     (["energy", "J"], |row| short(row.energy_residual)),
-    (["wall", "s"], |row| or_dash(row.wall.map(|wall| format!("{wall:.2}")))),
+    (["wall", "s"], |row| decimals(row.wall, 2)),
     (["roll-", "backs"], |row| or_dash(row.rollbacks)),
 ];
 

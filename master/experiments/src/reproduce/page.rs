@@ -11,10 +11,10 @@ use super::published::CASES;
 use super::spread::Spread;
 use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
 use super::verdict::VERDICT_RULE;
-use crate::engine::export::plot::{BOUND, Trace, dotted, open_points, points};
-use crate::engine::export::{TextColumn, cell, incomplete, lined, text_table};
-use results::report::plots::{COLOURS, axis, finished, layout};
-use results::report::{Page, escape, remarks};
+use crate::engine::export::incomplete;
+use crate::engine::export::plot::{BOUND, dotted, open_points, points};
+use results::report::plots::{COLOURS, Trace, axis, finished, layout};
+use results::report::{Page, TextColumn, cell, escape, lined, remarks, text_table};
 
 /// The page of a reproduction.
 pub(super) fn page(reproduction: &Reproduction) -> Page {

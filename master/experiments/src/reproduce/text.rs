@@ -9,13 +9,13 @@ use super::spread::Spread;
 use super::verdict::{VERDICT_RULE, Verdict};
 use super::wind;
 use crate::engine::Table as _;
-use crate::engine::export::{TextColumn, text_table, wrapped};
+use crate::engine::export::wrapped;
 use crate::engine::table::{Status, or_dash, short};
-use results::report::aligned;
+use results::report::{TextColumn, aligned, decimals, text_table};
 
 /// Two decimals, where there is a number: the thesis prints its forces so.
 pub(super) fn force(value: Option<f64>) -> String {
-    or_dash(value.map(|value| format!("{value:.2}")))
+    decimals(value, 2)
 }
 
 /// A change with its sign.

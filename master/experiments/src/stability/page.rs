@@ -5,13 +5,10 @@ use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, MarkerSymbol, 
 use super::judge::{ALGORITHMS, Line, StabilityTable};
 use super::maps::{CurveKind, Map};
 use super::text::{by_case, counts, ways};
-use crate::engine::export::plot::{colour, figure, points};
-use crate::engine::export::{
-    PageColumn, cell, count, fixed, grouped, heads, incomplete, lined, number, run_lines, scrolled, spanning,
-    status_rule, status_word, step,
-};
-use results::report::plots::{axis, curve, decades_of};
-use results::report::{Page, escape};
+use crate::engine::export::plot::points;
+use crate::engine::export::{count, fixed, grouped, incomplete, number, run_lines, status_rule, status_word, step};
+use results::report::plots::{axis, colour, curve, decades_of, figure};
+use results::report::{Page, PageColumn, cell, escape, heads, lined, scrolled, spanning};
 
 /// The page of the hard cases.
 pub(super) fn page(table: &StabilityTable) -> Page {

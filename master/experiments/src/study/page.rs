@@ -8,12 +8,11 @@ use super::run_spec::Class;
 use super::text::known;
 use super::{CSV, plots};
 use crate::engine::export::{
-    PageColumn, cell, cells, count, fixed, grouped, heads, lined, number, reasons, run_lines, scene_lead, scrolled,
-    status_rule, status_span, step,
+    count, fixed, grouped, number, reasons, run_lines, scene_lead, status_rule, status_span, step,
 };
 use crate::engine::run::SETTLE;
 use crate::engine::table::{RunRow, milliseconds};
-use results::report::{Page, escape, head_cells, remarks};
+use results::report::{Page, PageColumn, cell, cells, escape, head_cells, heads, lined, remarks, scrolled};
 
 /// The page of a study.
 pub(super) fn page(study: &Study) -> Page {

@@ -9,11 +9,11 @@ use super::pareto::point;
 use super::run_spec::{Class, Family};
 use super::text::shortened;
 use crate::engine::export::plot::{
-    BOUND, ERROR, Trace, colour, dotted, figure, is_shown, marked, marked_axis, open_points, points, run_curve,
+    BOUND, ERROR, dotted, is_shown, marked, marked_axis, open_points, points, run_curve,
 };
 use crate::engine::export::{grouped, number};
 use crate::engine::table::{AUTO, RunRow, milliseconds};
-use results::report::plots::{curve, decades_of, finished};
+use results::report::plots::{Trace, colour, curve, decades_of, figure, finished};
 
 fn hover(study: &Study, row: &RunRow) -> String {
     format!(
@@ -56,7 +56,7 @@ pub(super) fn precision(study: &Study) -> String {
     let rows = study.rows.iter();
     let rows = rows.filter(|entry| entry.sweep != Sweep::Vehicle.name());
     let placed = rows.filter_map(|entry| Some((Class::of(&entry.row.reduction), (entry, point(&entry.row)?))));
-    let placed: Vec<(Class, (&Entry, (f64, f64)))> = placed.filter(|(_, (_, (_, error)))| *error > 0.0).collect();
+    let placed: Vec<_> = placed.filter(|(_, (_, (_, error)))| *error > 0.0).collect();
     if placed.is_empty() {
         return String::new();
     }
@@ -143,12 +143,12 @@ impl<'a> SweepPlot<'a> {
             let at = x(&entry.row).zip(entry.row.filtered_error)?;
             Some((name(&entry.row), (at, &entry.row)))
         });
-        let curve = |(index, (name, mut runs)): (usize, (String, Vec<((f64, f64), &RunRow)>))| {
+        let mut traces = Vec::new();
+        let curves = grouped(placed.filter(|(_, run)| is_shown(run)));
+        for (index, (name, mut runs)) in curves.into_iter().enumerate() {
             runs.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
-            Some(run_curve(runs, said, colour(index), 1.8)?.name(name))
-        };
-        let traces = grouped(placed.filter(|(_, run)| is_shown(run)));
-        let traces = traces.into_iter().enumerate().filter_map(curve).collect();
+            traces.extend(run_curve(runs, said, colour(index), 1.8).map(|curve| curve.name(name)));
+        }
         Self { rows, x, traces }
     }
 

@@ -5,9 +5,9 @@ use super::outcome::{Reference, Study};
 use super::page::vehicle_error;
 use super::pareto::speed;
 use super::run_spec::Class;
-use crate::engine::export::{TextColumn, grouped, heading, scene_head, text_cells, wrapped};
+use crate::engine::export::{grouped, scene_head, wrapped};
 use crate::engine::table::{RunRow, milliseconds, or_dash, short};
-use results::report::aligned;
+use results::report::{TextColumn, aligned, heading, text_cells};
 
 /// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.
 pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {

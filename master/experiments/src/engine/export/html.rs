@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Exporter, Table};
 use crate::engine::table::{Cell as _, RunRow, STATUS_RULE, Status, milliseconds, significant};
 use results::ResultsError;
-use results::report::{escape, head_cells};
+use results::report::{PageColumn, cell, cells, escape, head_cells, lined};
 
 /// One file that needs no network.
 #[derive(Clone, Copy, Debug)]
@@ -17,42 +17,6 @@ impl Exporter for Html {
         let page = table.sections().finish();
         out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
     }
-}
-
-/// A table that scrolls sideways on narrow screens; `head` and `body` are HTML.
-pub(crate) fn scrolled(head: &str, body: &str) -> String {
-    format!("<div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table></div>\n")
-}
-
-/// [`scrolled`], with lines that are the cells of a row each.
-pub(crate) fn lined(head: &str, lines: impl IntoIterator<Item = String>) -> String {
-    let row = |cells: String| format!("<tr>{cells}</tr>\n");
-    scrolled(head, &lines.into_iter().map(row).collect::<String>())
-}
-
-/// A cell of HTML with its class, which may be empty; `c` is coloured by the word in it.
-pub(crate) fn cell(class: &str, html: &str) -> String {
-    match class {
-        "" => format!("<td>{html}</td>"),
-        "c" => format!("<td class=\"c {html}\">{html}</td>"),
-        class => format!("<td class=\"{class}\">{html}</td>"),
-    }
-}
-
-/// Column of a table on a page: heading, unit, class of its cells (`n` for numbers), and the cell of an entry as HTML.
-pub(crate) type PageColumn<T> = (&'static str, &'static str, &'static str, fn(&T) -> String);
-
-/// Headings of columns.
-pub(crate) fn heads<T>(columns: &[PageColumn<T>]) -> String {
-    head_cells(columns.iter().map(|&(name, unit, class, _)| (name, unit, class == "n")))
-}
-
-/// Cells of an entry.
-pub(crate) fn cells<T>(columns: &[PageColumn<T>], entry: &T) -> String {
-    columns
-        .iter()
-        .map(|(_, _, class, of)| cell(class, &of(entry)))
-        .collect()
 }
 
 /// Lines of runs, what is to be said of each under the pointer.
@@ -66,11 +30,6 @@ pub(crate) fn run_lines<'a, T: 'a>(
         format!("<tr title=\"{}\">{cells}</tr>\n", escape(&row(entry).reason))
     };
     entries.into_iter().map(line).collect()
-}
-
-/// A heading over all columns.
-pub(crate) fn spanning<T>(columns: &[PageColumn<T>], html: &str) -> String {
-    format!("<tr><th colspan=\"{}\">{html}</th></tr>\n", columns.len())
 }
 
 /// Reasons of runs, behind a heading that opens them: of each the runs in words, in cells of a class, and the reason;

@@ -27,12 +27,11 @@ use results::{OutputDirectory, ResultsError};
 pub use self::csv::{Csv, write};
 pub use html::Html;
 pub(crate) use html::{
-    PageColumn, cell, cells, count, fixed, heads, incomplete, lined, number, reasons, run_lines, scene_lead, scrolled,
-    spanning, status_rule, status_span, status_word, step,
+    count, fixed, incomplete, number, reasons, run_lines, scene_lead, status_rule, status_span, status_word, step,
 };
 pub use json::Json;
 pub use text::Text;
-pub(crate) use text::{TextColumn, heading, scene_head, text_cells, text_table, wrapped};
+pub(crate) use text::{scene_head, wrapped};
 
 /// Values under equal keys, in the order in which the keys come first.
 pub(crate) fn grouped<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {

@@ -5,21 +5,13 @@ use plotly::layout::{Axis, HoverMode};
 use plotly::{Layout, Scatter};
 
 use crate::engine::table::{RunRow, Status};
-use results::report::plots::{COLOURS, finished, layout, logarithmic};
-
-/// A curve as plots take it.
-pub(crate) type Trace = Box<Scatter<f64, f64>>;
+use results::report::plots::{Trace, layout, logarithmic};
 
 /// Colour of bounds and of published values.
 pub(crate) const BOUND: &str = "#5b6675";
 
 /// Title of axes of errors.
 pub(crate) const ERROR: &str = "rms error of the filtered force [% of σ]";
-
-/// Colour of the curve of this number.
-pub(crate) fn colour(index: usize) -> &'static str {
-    COLOURS[index % COLOURS.len()]
-}
 
 /// An axis with marks at values that were run, and no others.
 pub(crate) fn marked_axis(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
@@ -29,15 +21,6 @@ pub(crate) fn marked_axis(title: &str, values: impl IntoIterator<Item = f64>) ->
     // Without rounding noise.
     let texts = values.iter().map(|value| format!("{}", (1e6 * value).round() / 1e6));
     logarithmic(title).tick_text(texts.collect()).tick_values(values)
-}
-
-/// A figure with its caption, which is HTML; nothing where nothing is drawn.
-pub(crate) fn figure(traces: Vec<Trace>, layout: Layout, (id, height): (&str, u32), caption: &str) -> String {
-    if traces.is_empty() {
-        return String::new();
-    }
-    let drawn = finished(traces, layout, id, height);
-    format!("{drawn}<p class=\"caption\">{caption}</p>\n")
 }
 
 /// Layout of a figure whose points are pointed at one by one.

@@ -17,29 +17,6 @@ impl Exporter for Text {
     }
 }
 
-/// Column of a table of text: lines of its heading, cell of an entry.
-pub(crate) type TextColumn<T, const N: usize> = ([&'static str; N], fn(&T) -> String);
-
-/// Lines of the headings of columns.
-pub(crate) fn heading<T, const N: usize>(columns: &[TextColumn<T, N>]) -> Vec<Vec<String>> {
-    let line = |n: usize| columns.iter().map(|(lines, _)| lines[n].to_owned()).collect();
-    (0..N).map(line).collect()
-}
-
-/// Cells of an entry.
-pub(crate) fn text_cells<T, const N: usize>(columns: &[TextColumn<T, N>], entry: &T) -> Vec<String> {
-    columns.iter().map(|(_, cell)| cell(entry)).collect()
-}
-
-/// A table of text, head and rows.
-pub(crate) fn text_table<'a, T: 'a, const N: usize>(
-    columns: &[TextColumn<T, N>],
-    entries: impl IntoIterator<Item = &'a T>,
-) -> Vec<Vec<String>> {
-    let rows = entries.into_iter().map(|entry| text_cells(columns, entry));
-    heading(columns).into_iter().chain(rows).collect()
-}
-
 /// First lines of the tables of one scene: its name and title, and whether runs are missing.
 pub(crate) fn scene_head(scene: &str, title: &str, table: &impl Table) -> String {
     let mut text = scene.to_owned();
