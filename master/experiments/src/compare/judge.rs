@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::plan::{ComparedRun, StepGroup, groups, plan};
 use crate::engine::table::{AUTO, Errors, ForceCurve, Keys, RunRow, observed_orders, pointwise_rms};
-use crate::engine::{Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table, Timed, settled};
+use crate::engine::{Bench, Experiment, Planned, Run, Sheet, Stage, Table, Timed, Unmade, settled};
 use results::report::Page;
 use simulation::sliding_joint;
 use simulation::{Mode, SetupError, prepare};
@@ -147,7 +147,7 @@ impl Experiment for Compare {
         self.runs.iter().map(planned).collect()
     }
 
-    fn make(&self, run: &Run, bench: &Bench<'_>) -> Result<Option<Timed>, ExperimentError> {
+    fn make(&self, run: &Run, bench: &Bench<'_>) -> Result<Timed, Unmade> {
         bench.timed(run, self.repeats, false)
     }
 

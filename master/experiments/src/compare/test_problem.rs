@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::page::step_heads;
 use crate::engine::export::status_span;
 use crate::engine::table::{Columns, RunRow, Status, milliseconds, short};
-use crate::engine::{Bench, Experiment, ExperimentError, Machine, Planned, Sheet, Table};
+use crate::engine::{Bench, Experiment, Machine, Planned, Sheet, Table, Unmade};
 use cosim::test_problem::{self, Case};
 use results::report::{Page, TextColumn, aligned, cell, escape, heading, lined, text_cells};
 use results::statistics::ForceStatistics;
@@ -115,7 +115,7 @@ impl Experiment for TestProblem {
         test_problem::cases().into_iter().flat_map(of_case).collect()
     }
 
-    fn make(&self, (case, macro_step): &(Case, f64), bench: &Bench<'_>) -> Result<Option<CaseRun>, ExperimentError> {
+    fn make(&self, (case, macro_step): &(Case, f64), bench: &Bench<'_>) -> Result<CaseRun, Unmade> {
         let of = format!("{case:?} {macro_step:?} {} {:?}", self.repeats, Machine::this());
         bench.value(&of, || run(case, *macro_step, self.repeats))
     }

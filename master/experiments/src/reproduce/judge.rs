@@ -13,7 +13,7 @@ use super::relation::{Relation, relations};
 use super::spread::{Spread, spreads};
 use super::wind;
 use crate::engine::table::{ForceCurve, RunRow};
-use crate::engine::{Attempt, Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table};
+use crate::engine::{Attempt, Bench, Experiment, Planned, Run, Sheet, Stage, Table, Unmade};
 use results::WindRecord;
 use results::report::Page;
 use results::statistics::ForceStatistics;
@@ -192,13 +192,12 @@ impl Experiment for Reproduce {
         planned.map(|run| Planned::beside(run.clone(), 1.0)).collect()
     }
 
-    fn make(&self, planned: &ReproductionRun, bench: &Bench<'_>) -> Result<Option<Line>, ExperimentError> {
+    fn make(&self, planned: &ReproductionRun, bench: &Bench<'_>) -> Result<Line, Unmade> {
         let run = self.run(planned);
         let mut line = Line::new(planned, &run);
-        Ok(bench.run(&run)?.map(|made| {
-            line.take(&made);
-            line
-        }))
+        let made = bench.run(&run)?;
+        line.take(&made);
+        Ok(line)
     }
 
     fn judge(&self, found: &[Option<Line>]) -> Reproduction {

@@ -3,7 +3,7 @@
 use super::cases::{Case, HardParameter};
 use super::figures::Judged;
 use crate::engine::table::{RunRow, Status, significant};
-use crate::engine::{Bench, ExperimentError};
+use crate::engine::{Bench, Unmade};
 use simulation::Mode;
 
 /// Micro steps of the reference in one of the run.
@@ -17,20 +17,6 @@ const PARAMETER_BISECTIONS: u32 = 4;
 
 /// Bisections between the last stable step and the first one that is not.
 const BISECTIONS: u32 = 2;
-
-/// An outcome that takes runs; nothing where an end was asked for.
-pub(super) type Tried<T> = Result<Option<T>, ExperimentError>;
-
-/// The value of a [`Tried`]; returns from the function where there is none.
-macro_rules! known {
-    ($tried:expr) => {
-        match $tried? {
-            Some(value) => value,
-            None => return Ok(None),
-        }
-    };
-}
-pub(super) use known;
 
 /// Way of running a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,14 +63,14 @@ pub(super) struct CaseBench<'a> {
 
 impl CaseBench<'_> {
     /// A run of the case with other keys, judged by another run with its name.
-    pub fn make(&self, way: &Way, keys: &[String], judge: Option<(&str, &Judged)>) -> Tried<Judged> {
+    pub fn make(&self, way: &Way, keys: &[String], judge: Option<(&str, &Judged)>) -> Result<Judged, Unmade> {
         let run = self.case.run(way, keys);
-        let made = known!(self.bench.run_part(&run, 0.0));
-        Ok(Some(Judged::of(&run, made, judge)))
+        let made = self.bench.run_part(&run, 0.0)?;
+        Ok(Judged::of(&run, made, judge))
     }
 
     /// A run of the case with other keys, judged by the one system; that by itself at a finer micro step.
-    pub fn run(&self, way: &Way, keys: &[String]) -> Tried<Judged> {
+    pub fn run(&self, way: &Way, keys: &[String]) -> Result<Judged, Unmade> {
         let Some((_, micro)) = steps(self.case, keys) else {
             return self.make(way, keys, None);
         };
@@ -93,32 +79,32 @@ impl CaseBench<'_> {
         one_keys.extend(both_steps(micro));
         let mut finer_keys = one_keys.clone();
         finer_keys.extend(refined(micro));
-        let finer = known!(self.make(&Way::ONE, &finer_keys, None));
+        let finer = self.make(&Way::ONE, &finer_keys, None)?;
         let finest = finer.row.micro_step.unwrap_or(f64::NAN);
         let name = format!("monolithic, micro step {finest:?} s");
         let judge = finer.is_stable().then_some((name.as_str(), &finer));
-        let mut one = known!(self.make(&Way::ONE, &one_keys, judge));
+        let mut one = self.make(&Way::ONE, &one_keys, judge)?;
         if !finer.is_stable() && one.is_stable() {
             let reason = format!("at a finer micro step: {}", finer.row.reason);
             one.row.judge((Status::Limit, reason));
         }
         if way.mode == Mode::Monolithic {
-            return Ok(Some(one));
+            return Ok(one);
         }
         if !matches!(one.row.status, Some(Status::Stable | Status::Limit)) {
             return self.make(way, keys, None);
         }
         let name = format!("monolithic, micro step {micro:?} s");
-        let mut made = known!(self.make(way, keys, Some((name.as_str(), &one))));
+        let mut made = self.make(way, keys, Some((name.as_str(), &one)))?;
         if made.is_stable() && one.row.status == Some(Status::Limit) {
             made.row
                 .judge((Status::Limit, format!("as one system: {}", one.row.reason)));
         }
-        Ok(Some(made))
+        Ok(made)
     }
 
     /// Boundary at which a run that is not stable becomes so.
-    pub fn boundary(&self, way: &Way) -> Tried<String> {
+    pub fn boundary(&self, way: &Way) -> Result<String, Unmade> {
         match self.case.parameter {
             Some(parameter) => self.by_parameter(way, parameter),
             None => self.by_step(way),
@@ -126,30 +112,26 @@ impl CaseBench<'_> {
     }
 
     /// `true` where a run with other keys is stable.
-    fn is_stable(&self, way: &Way, keys: &[String]) -> Tried<bool> {
-        Ok(self.run(way, keys)?.map(|judged| judged.is_stable()))
+    fn is_stable(&self, way: &Way, keys: &[String]) -> Result<bool, Unmade> {
+        Ok(self.run(way, keys)?.is_stable())
     }
 
     /// The value of the parameter between the harmless and the hard one, by bisection of its logarithm.
-    fn by_parameter(&self, way: &Way, parameter: HardParameter) -> Tried<String> {
+    fn by_parameter(&self, way: &Way, parameter: HardParameter) -> Result<String, Unmade> {
         let (name, unit, ends) = parameter.range();
         let shown = |value: f64| format!("{} {unit}", significant(Some(value)).unwrap_or_default());
         let mut stable = |value: f64| self.is_stable(way, &[parameter.set(value)]);
-        if !known!(stable(ends.0)) {
-            return Ok(Some(format!("not stable at a {name} of {} either", shown(ends.0))));
+        if !stable(ends.0)? {
+            return Ok(format!("not stable at a {name} of {} either", shown(ends.0)));
         }
-        let (good, bad) = known!(bisected(ends, PARAMETER_BISECTIONS, &mut stable));
-        Ok(Some(format!(
-            "stable at a {name} of {}, not at {}",
-            shown(good),
-            shown(bad)
-        )))
+        let (good, bad) = bisected(ends, PARAMETER_BISECTIONS, &mut stable)?;
+        Ok(format!("stable at a {name} of {}, not at {}", shown(good), shown(bad)))
     }
 
     /// The longest step: macro and micro step shortened together, halved and then bisected.
-    fn by_step(&self, way: &Way) -> Tried<String> {
+    fn by_step(&self, way: &Way) -> Result<String, Unmade> {
         let Some((macro_step, micro)) = steps(self.case, &[]) else {
-            return Ok(Some(String::new()));
+            return Ok(String::new());
         };
         let (which, start) = if way.mode == Mode::Monolithic {
             ("micro step", micro)
@@ -167,33 +149,29 @@ impl CaseBench<'_> {
         let mut bad = start;
         for _ in 0..HALVINGS {
             let step = 0.5 * bad;
-            if known!(stable(step)) {
-                let (good, bad) = known!(bisected((step, bad), BISECTIONS, &mut stable));
-                return Ok(Some(format!(
-                    "stable to a {which} of {}, not at {}",
-                    shown(good),
-                    shown(bad)
-                )));
+            if stable(step)? {
+                let (good, bad) = bisected((step, bad), BISECTIONS, &mut stable)?;
+                return Ok(format!("stable to a {which} of {}, not at {}", shown(good), shown(bad)));
             }
             bad = step;
         }
-        Ok(Some(format!("not stable down to a {which} of {}", shown(bad))))
+        Ok(format!("not stable down to a {which} of {}", shown(bad)))
     }
 }
 
-/// A stable and an unstable value brought nearer to each other, their ratio halved so many times.
-pub(super) fn bisected(
+/// A stable and an unstable value brought nearer to each other, the logarithm of their ratio halved so many times.
+fn bisected(
     (mut good, mut bad): (f64, f64),
     times: u32,
-    stable: &mut dyn FnMut(f64) -> Tried<bool>,
-) -> Tried<(f64, f64)> {
+    stable: &mut dyn FnMut(f64) -> Result<bool, Unmade>,
+) -> Result<(f64, f64), Unmade> {
     for _ in 0..times {
         let middle = (good * bad).sqrt();
-        if known!(stable(middle)) {
+        if stable(middle)? {
             good = middle;
         } else {
             bad = middle;
         }
     }
-    Ok(Some((good, bad)))
+    Ok((good, bad))
 }

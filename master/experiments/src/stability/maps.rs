@@ -3,11 +3,11 @@
 use scene::Coupling;
 use serde::Serialize;
 
-use super::bench::{CaseBench, Tried, Way, bisected, both_steps, known, refined};
+use super::bench::{CaseBench, Way, both_steps, refined};
 use super::cases::{Case, HardParameter};
 use super::judge::ALGORITHMS;
-use crate::engine::Bench;
 use crate::engine::table::{ENERGY, RAW_ERROR};
+use crate::engine::{Bench, Unmade};
 use cosim::algorithm::stability::spectral_radius;
 use cosim::test_problem::{self, Parameters, Switches, Truth};
 use results::statistics::ForceStatistics;
@@ -19,8 +19,8 @@ const DURATION: f64 = 3.0;
 /// Bounds of the steps that are tried, s.
 const STEPS: (f64, f64) = (5e-5, 2e-2);
 
-/// Bisections of the factor of two that the boundary is found in.
-const BISECTIONS: u32 = 3;
+/// Ratio of a step that is not stable to the longest stable one, –: three bisections of a factor of two.
+const KNOWN_TO: f64 = 1.091;
 
 /// Unit of the macro steps on the line, s: its micro step, so that one reference serves all.
 const UNIT: f64 = 5e-4;
@@ -204,50 +204,42 @@ pub(super) fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map
     maps
 }
 
-/// The longest stable step between two bounds and the shortest one that is not: doubled from the first bound until a
-/// run is not stable; without the latter where all are, without the former where the first bound is not.
-fn doubled((first, last): (f64, f64), stable: &mut dyn FnMut(f64) -> Tried<bool>) -> Tried<(Option<f64>, Option<f64>)> {
-    let (mut good, mut step) = (None, first);
-    loop {
-        if !known!(stable(step)) {
-            return Ok(Some((good, Some(step))));
+/// The longest stable step between two bounds: doubled from the first one until a run is not stable, then brought
+/// nearer to that by steps between both as long as there is one; 0 where the first bound is not stable.
+fn longest(
+    (first, last): (f64, f64),
+    between: fn(f64, f64) -> Option<f64>,
+    stable: &mut dyn FnMut(f64) -> Result<bool, Unmade>,
+) -> Result<f64, Unmade> {
+    let (mut good, mut step) = (0.0, first);
+    let mut bad = loop {
+        if !stable(step)? {
+            break step;
         }
-        good = Some(step);
+        good = step;
         if step >= last {
-            return Ok(Some((good, None)));
+            return Ok(good);
         }
         step = (2.0 * step).min(last);
-    }
-}
-
-/// The longest stable step between [`STEPS`], bisected; 0 where the shortest one is not.
-fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
-    let stable = &mut |step| Ok(Some(stable(step)));
-    let found = doubled(STEPS, stable).and_then(|found| match found {
-        Some((Some(good), Some(bad))) => {
-            bisected((good, bad), BISECTIONS, stable).map(|found| found.map(|ends| ends.0))
-        }
-        found => Ok(found.and_then(|(good, _)| good)),
-    });
-    // These runs cannot fail, and are not asked to end.
-    found.ok().flatten().unwrap_or(0.0)
-}
-
-/// Longest stable step in whole units of [`UNIT`].
-fn longest_units(stable: &mut dyn FnMut(f64) -> Tried<bool>) -> Tried<f64> {
-    let (mut good, mut bad) = match known!(doubled((1.0, MOST_UNITS), stable)) {
-        (Some(good), Some(bad)) => (good, bad),
-        (good, _) => return Ok(Some(good.unwrap_or(0.0))),
     };
-    while bad - good > 1.0 + (good / 8.0).floor() {
-        let middle = (0.5 * (good + bad)).floor();
-        if known!(stable(middle)) {
+    while let Some(middle) = between(good, bad).filter(|_| good > 0.0) {
+        if stable(middle)? {
             good = middle;
         } else {
             bad = middle;
         }
     }
-    Ok(Some(good))
+    Ok(good)
+}
+
+/// A step between these, in equal ratios.
+fn in_ratio(good: f64, bad: f64) -> Option<f64> {
+    (bad > KNOWN_TO * good).then(|| (good * bad).sqrt())
+}
+
+/// A whole number between these.
+fn whole(good: f64, bad: f64) -> Option<f64> {
+    (bad - good > 1.0 + (good / 8.0).floor()).then(|| (0.5 * (good + bad)).floor())
 }
 
 /// `[coupling]` of an algorithm with its own defaults.
@@ -259,8 +251,8 @@ pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
 }
 
 impl Task {
-    /// Finds the points; nothing where an end was asked for.
-    pub(super) fn points(&self, bench: &Bench<'_>) -> Tried<Boundary> {
+    /// Finds the points.
+    pub(super) fn points(&self, bench: &Bench<'_>) -> Result<Boundary, Unmade> {
         let theory = coupling(self.algorithm).filter(|_| self.kind == CurveKind::Theory);
         let growth = theory.map_or_else(Vec::new, |coupling| growth(&coupling));
         let mut points = Vec::new();
@@ -269,14 +261,15 @@ impl Task {
                 (CurveKind::Theory, _) => self.by_theory(&growth, x),
                 (CurveKind::TestProblem, axis) => {
                     let of = format!("boundary of the test problem: {} {axis:?} {x:?}", self.algorithm);
-                    known!(bench.value(&of, || self.by_test_problem(x)))
+                    bench.value(&of, || self.by_test_problem(x))?
                 }
-                (CurveKind::ShortLine, MapAxis::MicroStep) => known!(self.micro_step(x, bench)),
-                (CurveKind::ShortLine, _) => known!(self.on_the_line(x, bench)),
+                (CurveKind::ShortLine, MapAxis::MicroStep) => self.micro_step(x, bench)?,
+                (CurveKind::ShortLine, _) => self.on_the_line(x, bench)?,
             };
             points.push((x, step));
         }
-        Ok((!bench.is_interrupted()).then_some(points))
+        bench.go_on()?;
+        Ok(points)
     }
 
     fn parameters(&self, x: f64) -> Parameters {
@@ -326,15 +319,16 @@ impl Task {
             pantograph: Switches::ALL,
             parameters,
         };
-        longest(&mut |step| {
+        let found = longest(STEPS, in_ratio, &mut |step| {
             let outcome = test_problem::run_against(&truth, &case, step);
-            outcome.stable
-                && outcome.rms_error <= RAW_ERROR / 100.0 * sigma
-                && 100.0 * outcome.energy_share.abs() <= ENERGY
-        })
+            let right = outcome.rms_error <= RAW_ERROR / 100.0 * sigma;
+            Ok(outcome.stable && right && 100.0 * outcome.energy_share.abs() <= ENERGY)
+        });
+        // These runs cannot fail, and are not asked to end.
+        found.unwrap_or(0.0)
     }
 
-    fn on_the_line(&self, x: f64, bench: &Bench<'_>) -> Tried<f64> {
+    fn on_the_line(&self, x: f64, bench: &Bench<'_>) -> Result<f64, Unmade> {
         let keys = |units: f64| {
             [
                 format!("solver.micro_step={UNIT:?}"),
@@ -343,31 +337,30 @@ impl Task {
         };
         let case = &self.short_line(x);
         let case = CaseBench { case, bench };
-        let one = known!(case.make(&Way::ONE, &keys(1.0), None));
+        let one = case.make(&Way::ONE, &keys(1.0), None)?;
         let way = Way {
             mode: Mode::Inprocess,
             algorithm: self.algorithm,
         };
-        let units = known!(longest_units(&mut |units| {
-            let made = case.make(&way, &keys(units), Some(("", &one)))?;
-            Ok(made.map(|made| made.is_stable()))
-        }));
-        Ok(Some(units * UNIT))
+        let units = longest((1.0, MOST_UNITS), whole, &mut |units| {
+            Ok(case.make(&way, &keys(units), Some(("", &one)))?.is_stable())
+        })?;
+        Ok(units * UNIT)
     }
 
     /// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
-    fn micro_step(&self, x: f64, bench: &Bench<'_>) -> Tried<f64> {
+    fn micro_step(&self, x: f64, bench: &Bench<'_>) -> Result<f64, Unmade> {
         let case = &self.short_line(x);
         let case = CaseBench { case, bench };
         let mut step = 4e-3;
         while step >= 1e-4 {
-            let finer = known!(case.make(&Way::ONE, &refined(step), None));
-            if known!(case.make(&Way::ONE, &both_steps(step), Some(("", &finer)))).is_stable() {
-                return Ok(Some(step));
+            let finer = case.make(&Way::ONE, &refined(step), None)?;
+            if case.make(&Way::ONE, &both_steps(step), Some(("", &finer)))?.is_stable() {
+                return Ok(step);
             }
             step *= std::f64::consts::FRAC_1_SQRT_2;
         }
-        Ok(Some(0.0))
+        Ok(0.0)
     }
 }
 
@@ -403,21 +396,23 @@ mod tests {
 
     #[test]
     fn the_longest_stable_step_is_found_to_a_tenth_of_a_factor_of_two() {
+        let found = |bounds, between, stable: &dyn Fn(f64) -> bool| {
+            let found = longest(bounds, between, &mut |step| Ok(stable(step)));
+            found.unwrap()
+        };
+        let steps = |stable: &dyn Fn(f64) -> bool| found(STEPS, in_ratio, stable);
+        let units = |stable: &dyn Fn(f64) -> bool| found((1.0, MOST_UNITS), whole, stable);
         for limit in [7.3e-5, 1e-3, 0.0123] {
-            let found = longest(&mut |step| step <= limit);
+            let found = steps(&|step| step <= limit);
             assert!(found <= limit && found > limit / 2.0_f64.powf(0.13), "{limit}: {found}");
         }
-        let units = |stable: &mut dyn FnMut(f64) -> bool| {
-            let found = longest_units(&mut |units| Ok(Some(stable(units))));
-            found.unwrap().unwrap()
-        };
-        assert_eq!(longest(&mut |_| false), 0.0);
-        assert_eq!(longest(&mut |_| true), STEPS.1);
-        assert_eq!(units(&mut |units| units <= 5.0), 5.0);
-        let coarse = units(&mut |units| units <= 23.0);
+        assert_eq!(steps(&|_| false), 0.0);
+        assert_eq!(steps(&|_| true), STEPS.1);
+        assert_eq!(units(&|units| units <= 5.0), 5.0);
+        let coarse = units(&|units| units <= 23.0);
         assert!((21.0..=23.0).contains(&coarse), "{coarse}");
-        assert_eq!(units(&mut |_| true), MOST_UNITS);
-        assert_eq!(units(&mut |_| false), 0.0);
+        assert_eq!(units(&|_| true), MOST_UNITS);
+        assert_eq!(units(&|_| false), 0.0);
     }
 
     #[test]

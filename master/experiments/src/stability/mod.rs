@@ -27,5 +27,5 @@ mod text;
 pub use bench::Way;
 pub use cases::{Case, HardParameter, cases};
 pub use figures::Figures;
-pub use judge::{ALGORITHMS, Line, Stability, StabilityFound, StabilityJob, StabilityTable};
+pub use judge::{ALGORITHMS, Line, Stability, StabilityFound, StabilityTable};
 pub use maps::{CurveKind, Map, MapCurve};

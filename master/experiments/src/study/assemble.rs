@@ -179,10 +179,10 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
     }
 }
 
-/// The place and the name of the run that judges another, no place where that one is judged by itself; nothing as long as
-/// it is not known.
+/// The place and the name of the run that judges another, no place where that one is judged by itself; nothing as long
+/// as it is not known.
 ///
-/// What else the pantograph may stand on is judged by the first that is planned for its track, whether that is there for
+/// Another vehicle below the pantograph is judged by the first that is planned for its track, whether that is there for
 /// the vehicle alone or is the base case.
 fn judge(script: &Script, state: &State, study: &Study, planned: &StudyRun) -> Option<(Option<usize>, String)> {
     if planned.is_growth() {

@@ -14,7 +14,7 @@ use super::plan::{StudyRun, plan};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
 use super::run_spec::{Family, Subject};
 use crate::engine::table::ForceCurve;
-use crate::engine::{Attempt, Bench, Experiment, ExperimentError, Machine, Planned, Run, Stage, Store, Times, settled};
+use crate::engine::{Attempt, Bench, Experiment, Machine, Planned, Run, Stage, Store, Times, Unmade, settled};
 use results::ResultsError;
 use simulation::sliding_joint;
 use simulation::{SetupError, prepare};
@@ -259,15 +259,15 @@ impl Experiment for Script {
         timed.map(|run| self.timing(run)).sum()
     }
 
-    fn make(&self, job: &StudyJob, bench: &Bench<'_>) -> Result<Option<StudyFound>, ExperimentError> {
-        match job {
+    fn make(&self, job: &StudyJob, bench: &Bench<'_>) -> Result<StudyFound, Unmade> {
+        Ok(match job {
             StudyJob::Run(index) => {
                 let made = bench.run(&self.run(&self.planned[*index]))?;
-                Ok(made.map(|made| StudyFound::Ran(*index, made, None)))
+                StudyFound::Ran(*index, made, None)
             }
             StudyJob::Time(index, run) => {
                 let timed = bench.timed(&self.run(run), self.options.repeats, run.is_growth())?;
-                Ok(timed.map(|timed| StudyFound::Ran(*index, timed.made, Some(timed.times))))
+                StudyFound::Ran(*index, timed.made, Some(timed.times))
             }
             StudyJob::Refine(family, mesh) => {
                 let total = self.work(*family, *mesh).max(1.0);
@@ -275,12 +275,11 @@ impl Experiment for Script {
                 let mut refine = |mesh| refine(&self.subject, &self.options, *family, mesh, &mut one);
                 let found = refine(*mesh)?;
                 // A reduced model whose corrected mesh cannot run has a plain one.
-                let is_empty = found.as_ref().is_some_and(|found| found.levels.is_empty());
-                let instead = is_empty && *family != Family::Nonlinear && *mesh == Discretisation::Corrected;
-                let found = if instead { refine(Discretisation::Plain)? } else { found };
-                Ok(found.map(StudyFound::Refined))
+                let reduced = *family != Family::Nonlinear && *mesh == Discretisation::Corrected;
+                let instead = reduced && found.levels.is_empty();
+                StudyFound::Refined(if instead { refine(Discretisation::Plain)? } else { found })
             }
-        }
+        })
     }
 
     fn label(&self, job: &StudyJob) -> String {

@@ -80,7 +80,7 @@ impl Entry {
         self.sweep.split('+').any(|name| name == sweep.name())
     }
 
-    /// What the pantograph stands on; empty words where the scene has no vehicle.
+    /// Vehicle and track below the pantograph; empty words where the scene has no vehicle.
     pub(super) fn stands_on(&self) -> VehicleVariantName {
         let (vehicle, track) = ("", "");
         self.vehicle_variant.unwrap_or(VehicleVariantName { vehicle, track })

@@ -394,8 +394,8 @@ impl Plan<'_> {
 }
 
 /// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's;
-/// `true` where the step is one with `quick` too. Shorter intervals have elements of the same length: fewer for the same
-/// error, and longer steps with the mass correction.
+/// `true` where the step is one with `quick` too. Shorter intervals have elements of the same length: fewer for the
+/// same error, and longer steps with the mass correction.
 const LADDER: [(usize, f64, bool); 19] = [
     (2, 16.0, false),
     (4, 16.0, true),

@@ -8,15 +8,14 @@ use serde::Serialize;
 use super::options::{Options, Sweep};
 use super::plan::{StudyRun, base};
 use super::run_spec::{Family, Mesh, RunSpec, Subject};
-use crate::engine::Attempt;
-use crate::engine::ExperimentError;
 use crate::engine::table::{Errors, ForceCurve, NO_ERRORS, Status};
+use crate::engine::{Attempt, Unmade};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;
 
-/// Makes a run; nothing when the study is to end.
-pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Option<Arc<Attempt>>, ExperimentError> + 'a;
+/// Makes a run.
+pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Arc<Attempt>, Unmade> + 'a;
 
 /// Mesh of a reference that is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -108,8 +107,7 @@ pub(super) fn expected_work(
     works.filter(|work| *work <= options.work).sum()
 }
 
-/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit; `run` makes a
-/// run, or returns nothing when the study is to end.
+/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit.
 ///
 /// # Errors
 /// Errors of `run`.
@@ -119,7 +117,7 @@ pub fn refine(
     family: Family,
     discretisation: Discretisation,
     run: &mut Run<'_>,
-) -> Result<Option<Refinement>, ExperimentError> {
+) -> Result<Refinement, Unmade> {
     let mut found = Refinement {
         family,
         discretisation,
@@ -137,9 +135,7 @@ pub fn refine(
             );
             break;
         }
-        let Some(made) = run(&planned)? else {
-            return Ok(None);
-        };
+        let made = run(&planned)?;
         if made.row.status == Some(Status::Refused) || !made.complete || made.curves.is_empty() {
             let (level, micro_step) = (number + 1, 1e3 * planned.spec.micro_step);
             let mut row = made.row.clone();
@@ -161,7 +157,7 @@ pub fn refine(
             break;
         }
     }
-    Ok(Some(found))
+    Ok(found)
 }
 
 /// Refinements that a study needs for its families.
