@@ -1,6 +1,5 @@
 //! A scene with some keys changed, run once.
 
-use std::any::Any;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -155,19 +154,15 @@ impl Run {
 
     /// The attempt that `make` returns, or that its panic ended.
     pub(crate) fn caught(&self, make: impl FnOnce() -> Result<Attempt, SetupError>) -> Result<Attempt, SetupError> {
-        catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| Ok(self.panicked(&*panic)))
-    }
-
-    fn panicked(&self, panic: &(dyn Any + Send)) -> Attempt {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text
-            .or_else(|| panic.downcast_ref::<&str>().copied())
-            .unwrap_or_default();
-        Attempt {
-            row: self.planned(),
-            remarks: vec![format!("panicked: {text}")],
-            ..Attempt::default()
-        }
+        catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+            Ok(Attempt {
+                row: self.planned(),
+                remarks: vec![format!("panicked: {}", text.unwrap_or_default())],
+                ..Attempt::default()
+            })
+        })
     }
 
     fn attempt_unguarded(&self, watch: &Watch<'_>) -> Result<Attempt, SetupError> {

@@ -79,8 +79,8 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// A row without figures of its own, on the mesh of this run, with the worst status of some runs; no status while one of
-/// them has none.
+/// A row without figures of its own, on the mesh of this run, with the worst status of some runs; no status while one
+/// of them has none.
 fn derived<'a>(like: Option<&Line>, of: impl Iterator<Item = &'a Line>, reason: String) -> RunRow {
     let run = like.map(|line| line.row.clone()).unwrap_or_default();
     let all: Option<Vec<Status>> = of.map(|line| line.row.status).collect();

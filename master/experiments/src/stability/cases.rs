@@ -18,38 +18,17 @@ const LINKAGE: &str = include_str!("../../../../scenes/thesis-pantograph.toml");
 /// The cases as data.
 const CASES: &str = include_str!("cases.toml");
 
-/// Three spans of the thesis line.
-const SHORT_LINKAGE: [&str; 4] = [
-    "run.duration=1.5",
-    "run.start_x=20",
-    "run.evaluate={time=[0.3,1.25]}",
-    "catenary.spans=3",
-];
-
-/// No damping anywhere and a trapezoid in time.
-const UNDAMPED: [&str; 8] = [
-    "catenary.mesh.elements_per_interval=1",
-    "catenary.damping.alpha=0",
-    "catenary.damping.beta=0",
-    "pantograph.0.dampings=[0,0]",
-    "solver.rho_inf=1",
-    "coupling.macro_step=0.001",
-    "run.initialise=\"as_given\"",
-    "run.speed_kmh=1",
-];
-
 /// Part of its time that a quick look gives to an undamped case, –.
 const QUICK: f64 = 0.1;
 
-/// Loss and impact three times: the strip is lowered by 60 mm within 40 ms and raised again.
-const LOWERED: [[f64; 3]; 6] = [
-    [0.35, 0.04, -0.06],
-    [0.47, 0.04, 0.06],
-    [0.65, 0.04, -0.06],
-    [0.77, 0.04, 0.06],
-    [0.95, 0.04, -0.06],
-    [1.07, 0.04, 0.06],
-];
+/// The cases as they are written, and what several of them have in common.
+#[derive(Default, Deserialize)]
+struct File {
+    linkage: Vec<String>,
+    undamped: Vec<String>,
+    lowered: Vec<[f64; 3]>,
+    case: Vec<Written>,
+}
 
 /// A case as it is written.
 #[derive(Default, Deserialize)]
@@ -126,14 +105,14 @@ pub struct Case {
 }
 
 impl Case {
-    fn of(written: Written, quick: bool) -> Self {
+    fn of(written: Written, common: &File, quick: bool) -> Self {
         let mut overrides: Vec<String> = Vec::new();
         if written.linkage {
-            overrides.extend(SHORT_LINKAGE.map(str::to_owned));
+            overrides.extend_from_slice(&common.linkage);
         }
         if let Some(seconds) = written.undamped {
             let seconds = if quick { QUICK * seconds } else { seconds };
-            overrides.extend(UNDAMPED.map(str::to_owned));
+            overrides.extend_from_slice(&common.undamped);
             overrides.extend([
                 format!("run.duration={seconds}"),
                 format!("run.evaluate={{time=[{},{}]}}", 0.1 * seconds, 0.9 * seconds),
@@ -142,7 +121,11 @@ impl Case {
         overrides.extend(written.set);
         overrides.extend(written.hard.map(HardParameter::key));
         let ramp = |&[start, duration, rise]: &[f64; 3]| Ramp { start, duration, rise };
-        let ramps: &[[f64; 3]] = if written.lowered { &LOWERED } else { &written.lift };
+        let ramps = if written.lowered {
+            &common.lowered
+        } else {
+            &written.lift
+        };
         Self {
             stage: Arc::new(Stage {
                 name: written.name.clone(),
@@ -172,7 +155,7 @@ impl Case {
             name: "plain".to_owned(),
             ..Written::default()
         };
-        Self::of(written, false)
+        Self::of(written, &File::default(), false)
     }
 
     /// This case with packages of FMUs below `folder`.
@@ -206,10 +189,10 @@ impl Case {
 /// All cases, in the order of the table; a quick look shortens the longest.
 #[must_use]
 pub fn cases(quick: bool) -> Vec<Case> {
-    #[derive(Deserialize)]
-    struct File {
-        case: Vec<Written>,
-    }
-    let file: File = toml::from_str(CASES).expect("the cases are part of the program, and a test reads them");
-    file.case.into_iter().map(|written| Case::of(written, quick)).collect()
+    let mut file: File = toml::from_str(CASES).expect("the cases are part of the program, and a test reads them");
+    let cases = std::mem::take(&mut file.case);
+    cases
+        .into_iter()
+        .map(|written| Case::of(written, &file, quick))
+        .collect()
 }

@@ -1,13 +1,13 @@
 //! The table on the terminal.
 
 use super::options::Sweep;
-use super::outcome::{Reference, Study};
+use super::outcome::{Entry, Reference, Study};
 use super::page::vehicle_error;
 use super::pareto::speed;
 use super::run_spec::Class;
 use crate::engine::export::{grouped, scene_head, wrapped};
 use crate::engine::table::{RunRow, milliseconds, or_dash, short};
-use results::report::{TextColumn, aligned, heading, text_cells};
+use results::report::{TextColumn, aligned, heading, text_cells, text_table};
 
 /// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.
 pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {
@@ -92,21 +92,23 @@ pub(super) fn text(study: &Study) -> String {
     text
 }
 
+/// Columns of the vehicles.
+const VEHICLES: &[TextColumn<Entry, 1>] = &[
+    (["track"], |entry| entry.stands_on().track.to_owned()),
+    (["vehicle"], |entry| entry.stands_on().vehicle.to_owned()),
+    (["from the first, rms % σ"], |entry| {
+        short(vehicle_error(entry, entry.row.filtered_error))
+    }),
+    (["σ N"], |entry| short(entry.row.std)),
+    (["real-time factor"], |entry| short(entry.row.real_time_factor)),
+];
+
 /// Effect and cost of each model of the vehicle.
 fn vehicles(study: &Study) -> String {
-    let head = ["track", "vehicle", "from the first, rms % σ", "σ N", "real-time factor"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for entry in study.of(Sweep::Vehicle) {
-        let name = entry.stands_on();
-        let mut row = [name.track, name.vehicle].map(str::to_owned).to_vec();
-        row.extend([vehicle_error(entry, entry.row.filtered_error), entry.row.std].map(short));
-        row.push(short(entry.row.real_time_factor));
-        rows.push(row);
-    }
-    if rows.len() == 1 {
+    if study.of(Sweep::Vehicle).next().is_none() {
         return String::new();
     }
-    format!("\n{}\n", aligned(&rows))
+    format!("\n{}\n", aligned(&text_table(VEHICLES, study.of(Sweep::Vehicle))))
 }
 
 /// Names of corrections by their initials, for narrow tables: `contact_compliance+bending_layers` is `cc+bl`.
