@@ -11,8 +11,8 @@ use std::sync::atomic::AtomicBool;
 use experiments::engine::export::{Csv, Exporter, Html, Text};
 use experiments::engine::table::{Columns, RunRow, Status};
 use experiments::engine::{
-    Attempt, Bench, Experiment, ExperimentError, Machine, Planned, Run, Sheet, Site, Stage, Store, Table, Timing,
-    Variant, execute,
+    Attempt, Bench, Experiment, Machine, Planned, Run, Sheet, Site, Stage, Store, Table, Timing, Unmade, Variant,
+    execute,
 };
 use results::OutputDirectory;
 use results::report::{Page, Progress, Show, aligned, escape};
@@ -92,7 +92,7 @@ impl Experiment for SigmaAgainstForce {
         self.forces.iter().map(planned).collect()
     }
 
-    fn make(&self, run: &Run, bench: &Bench<'_>) -> Result<Option<Arc<Attempt>>, ExperimentError> {
+    fn make(&self, run: &Run, bench: &Bench<'_>) -> Result<Arc<Attempt>, Unmade> {
         bench.run(run)
     }
 

@@ -6,7 +6,7 @@ mod plots;
 use std::collections::BTreeMap;
 
 use experiments::engine::table::Status;
-use results::report::{Page as Html, escape};
+use results::report::{Page as Html, cell, escape, head_cells, lined};
 
 use crate::plan::{Case, Plan};
 use crate::record::Record;
@@ -171,22 +171,15 @@ impl Page {
         let row = |(std, pantograph, case): &(f64, usize, Case)| {
             let derived = case.derived.iter().map(|value| shown(*value));
             let keys = case.values.iter().map(Value::shown).chain(derived);
-            let keys: String = keys
-                .map(|key| format!("<td class=\"n\">{}</td>", escape(&key)))
-                .collect();
-            format!(
-                "<tr><td class=\"n\"><a href=\"#case-{0}\">{0}</a></td><td class=\"n\">{pantograph}</td>{keys}\
-                 <td class=\"n\">{std:.2}</td></tr>\n",
-                case.number
-            )
+            let keys: String = keys.map(|key| cell("n", &escape(&key))).collect();
+            let link = format!("<a href=\"#case-{0}\">{0}</a>", case.number);
+            let pantograph = cell("n", &pantograph.to_string());
+            cell("n", &link) + &pantograph + &keys + &cell("n", &format!("{std:.2}"))
         };
+        let first = head_cells([("case", "", true), ("pantograph", "", true)]);
+        let head = first + &heads + &head_cells([("σ", "N", true)]);
         let table = |list: &[(f64, usize, Case)], heading: &str| {
-            let body: String = list.iter().map(row).collect();
-            format!(
-                "<h3>{heading}</h3>\n<div class=\"scroll\"><table><thead><tr><th class=\"n\">case</th>\
-                 <th class=\"n\">pantograph</th>{heads}<th class=\"n\">σ<br>N</th></tr></thead>\n<tbody>{body}</tbody>\
-                 </table></div>\n"
-            )
+            format!("<h3>{heading}</h3>\n{}", lined(&head, list.iter().map(row)))
         };
         let mut html = table(&self.best, "Smallest") + &table(&self.worst, "Largest");
         html.push_str(
@@ -213,21 +206,21 @@ impl Page {
         if reasons.is_empty() {
             return String::new();
         }
-        let row = |((status, reason), (count, case)): &(&(Status, String), &(u64, Case))| {
-            format!(
-                "<tr><td class=\"n\">{count}</td><td class=\"c {0}\">{0}</td><td>{1}</td><td class=\"n\">{2}</td>\
-                 <td><code>{3}</code></td></tr>\n",
-                status.name(),
-                escape(reason),
-                case.number,
-                escape(&command(case))
-            )
+        let row = |((status, reason), (count, case)): (&(Status, String), &(u64, Case))| {
+            cell("n", &count.to_string())
+                + &cell("c", status.name())
+                + &cell("", &escape(reason))
+                + &cell("n", &case.number.to_string())
+                + &cell("", &format!("<code>{}</code>", escape(&command(case))))
         };
-        let body: String = reasons.iter().take(REASONS).map(row).collect();
-        format!(
-            "<div class=\"scroll\"><table><thead><tr><th class=\"n\">cases</th><th>status</th><th>reason</th>\
-             <th class=\"n\">first case</th><th>command</th></tr></thead>\n<tbody>{body}</tbody></table></div>\n"
-        )
+        let head = head_cells([
+            ("cases", "", true),
+            ("status", "", false),
+            ("reason", "", false),
+            ("first case", "", true),
+            ("command", "", false),
+        ]);
+        lined(&head, reasons.into_iter().take(REASONS).map(row))
     }
 }
 

@@ -6,9 +6,8 @@ use scene::Scene;
 use serde::Serialize;
 
 use super::plan::{ComparedRun, StepGroup, groups, plan};
-use crate::engine::table::{AUTO, Errors, ForceCurve, Keys, RunRow, Status, observed_orders, pointwise_rms};
-use crate::engine::{Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table, Timed, Timing, settled};
-use results::LineGeometry;
+use crate::engine::table::{AUTO, Errors, ForceCurve, Keys, RunRow, observed_orders, pointwise_rms};
+use crate::engine::{Bench, Experiment, Planned, Run, Sheet, Stage, Table, Timed, Unmade, settled};
 use results::report::Page;
 use simulation::sliding_joint;
 use simulation::{Mode, SetupError, prepare};
@@ -23,8 +22,6 @@ pub struct Compare {
     pub runs: Vec<ComparedRun>,
     /// Times that every run is timed.
     pub repeats: usize,
-    /// Coordinates of the track for plots.
-    line: LineGeometry,
     stage: Arc<Stage>,
 }
 
@@ -50,9 +47,6 @@ pub struct Comparison {
     /// Contact forces of each row's run.
     #[serde(skip)]
     pub curves: Vec<Vec<ForceCurve>>,
-    /// Positions of supports and droppers.
-    #[serde(skip)]
-    pub line: LineGeometry,
 }
 
 impl Table for Comparison {
@@ -68,11 +62,11 @@ impl Table for Comparison {
     }
 
     fn text(&self) -> String {
-        super::text(self)
+        super::text::text(self)
     }
 
     fn sections(&self) -> Page {
-        super::page(self)
+        super::page::page(self)
     }
 }
 
@@ -96,12 +90,6 @@ impl Compare {
         let scene = prepare(scene, &stage.name, &stage.base, stage.logging)?.scene;
         let groups = groups(macro_steps, scene.solver.micro_step);
         let runs = plan(&groups, scene.run.duration, &Keys::of(&scene, overrides));
-        let line = scene
-            .modelled_line()
-            .map_or_else(LineGeometry::default, |(line, _)| LineGeometry {
-                support_x: line.supports_x(),
-                dropper_x: line.droppers_x(),
-            });
         let stage = Arc::new(Stage {
             scene: scene.to_toml(),
             ..stage
@@ -111,7 +99,6 @@ impl Compare {
             groups,
             runs,
             repeats,
-            line,
             stage,
         })
     }
@@ -120,15 +107,16 @@ impl Compare {
         Run::of(&self.stage, run.variant.clone())
     }
 
-    /// The run that the others of a group are compared with: the first in rank that is stable.
+    /// The run that the others of a group are compared with: the first in rank that is stable. Its rank, its place, its
+    /// row.
     fn reference<'a>(&self, group: usize, found: &'a [Option<Timed>]) -> Option<(u8, usize, RunRow, &'a Timed)> {
-        let candidates = self.runs.iter().enumerate().filter(|(_, run)| run.group == group);
         let stable = |(index, run): (usize, &ComparedRun)| {
             let timed = found[index].as_ref().filter(|timed| !timed.made.curves.is_empty())?;
             let row = timed.made.judged(None);
-            (row.status == Some(Status::Stable)).then_some((run.reference?, index, row, timed))
+            (run.group == group && row.is_stable()).then_some((run.reference?, index, row, timed))
         };
-        candidates.filter_map(stable).min_by_key(|(rank, ..)| *rank)
+        let candidates = self.runs.iter().enumerate().filter_map(stable);
+        candidates.min_by_key(|(rank, ..)| *rank)
     }
 
     /// The row of a run, compared with the reference of its group.
@@ -144,10 +132,7 @@ impl Compare {
         let against = reference.as_ref().zip(name.as_deref());
         let against = against.map(|((_, _, row, timed), name)| (name, row, &*timed.made.curves));
         let mut row = timed.made.judged(against);
-        let mut walls = timed.times.walls.clone();
-        if !walls.is_empty() {
-            row.timed(&mut walls);
-        }
+        row.timed(&timed.times.walls);
         row
     }
 }
@@ -158,15 +143,11 @@ impl Experiment for Compare {
     type Table = Comparison;
 
     fn plan(&self) -> Vec<Planned<Run>> {
-        let planned = |run: &ComparedRun| Planned {
-            job: self.run(run),
-            work: run.weight,
-            timing: Timing::Alone,
-        };
+        let planned = |run: &ComparedRun| Planned::alone(self.run(run), run.weight);
         self.runs.iter().map(planned).collect()
     }
 
-    fn make(&self, run: &Run, bench: &Bench<'_>) -> Result<Option<Timed>, ExperimentError> {
+    fn make(&self, run: &Run, bench: &Bench<'_>) -> Result<Timed, Unmade> {
         bench.timed(run, self.repeats, false)
     }
 
@@ -182,19 +163,14 @@ impl Experiment for Compare {
         let rows: Vec<RunRow> = (0..found.len()).map(|index| self.row(index, found)).collect();
         let mut order: Vec<usize> = (0..rows.len()).collect();
         order.sort_by_key(|&index| place(&self.runs[index], &rows[index]));
-        let curves = |index: &usize| {
-            found[*index]
-                .as_ref()
-                .map_or_else(Vec::new, |timed| timed.made.curves.clone())
-        };
+        let curves = |index: &usize| found[*index].as_ref().map(|timed| timed.made.curves.clone());
         let mut comparison = Comparison {
             scene: self.stage.name.clone(),
             title: self.scene.title.clone(),
             source: self.scene.source.clone().unwrap_or_default(),
             complete: rows.iter().all(|row| row.status.is_some()),
-            curves: order.iter().map(curves).collect(),
+            curves: order.iter().map(|index| curves(index).unwrap_or_default()).collect(),
             rows: order.iter().map(|&index| rows[index].clone()).collect(),
-            line: self.line.clone(),
             ..Comparison::default()
         };
         observed_orders(&mut comparison.rows);
@@ -205,16 +181,11 @@ impl Experiment for Compare {
 }
 
 /// Place of a row in the table: modes, then algorithms in their order, then the macro step.
-fn place(run: &ComparedRun, row: &RunRow) -> (u8, usize, u64) {
-    let mode = match run.variant.mode {
-        Mode::Monolithic => 0,
-        Mode::Inprocess => 1,
-        Mode::Cosimulation => 2,
-    };
-    let algorithm = super::algorithms()
-        .iter()
-        .position(|name| *name == run.variant.algorithm)
-        .unwrap_or(0);
+fn place(run: &ComparedRun, row: &RunRow) -> (Option<usize>, Option<usize>, u64) {
+    let modes = [Mode::Monolithic, Mode::Inprocess, Mode::Cosimulation];
+    let mode = modes.iter().position(|mode| *mode == run.variant.mode);
+    let named = |name: &&str| *name == run.variant.algorithm;
+    let algorithm = super::algorithms().iter().position(named);
     // Steps are positive, so that their bits are in their order.
     let step = row.macro_step.or(row.micro_step).unwrap_or(0.0);
     (mode, algorithm, step.to_bits())
@@ -234,65 +205,56 @@ fn reference_name(row: &RunRow) -> String {
 
 /// Compares the monolithic runs with the finest of them: the error of the micro step alone.
 fn between_references(comparison: &mut Comparison) {
-    let monolithic = |row: &RunRow| row.mode == Mode::Monolithic.name() && row.status == Some(Status::Stable);
-    let finest = (0..comparison.rows.len())
-        .filter(|&index| monolithic(&comparison.rows[index]))
-        .min_by_key(|&index| comparison.rows[index].micro_step.map(f64::to_bits));
-    let Some(finest) = finest else { return };
-    let name = reference_name(&comparison.rows[finest]);
-    for index in (0..comparison.rows.len()).filter(|&index| index != finest) {
-        if monolithic(&comparison.rows[index]) {
-            let errors = Errors::between(&comparison.curves[finest], &comparison.curves[index]);
-            comparison.rows[index].take_errors(&errors, &name);
-        }
+    let Comparison { rows, curves, .. } = comparison;
+    let monolithic = |row: &RunRow| row.mode == Mode::Monolithic.name() && row.is_stable();
+    let whole: Vec<usize> = (0..rows.len()).filter(|&index| monolithic(&rows[index])).collect();
+    let finest = whole
+        .iter()
+        .min_by_key(|&&index| rows[index].micro_step.map(f64::to_bits));
+    let Some(&finest) = finest else { return };
+    let name = reference_name(&rows[finest]);
+    for index in whole.into_iter().filter(|&index| index != finest) {
+        rows[index].take_errors(&Errors::between(&curves[finest], &curves[index]), &name);
     }
 }
 
 /// Notes where the FMUs compute the same as the subsystems without them.
 fn same_bits(comparison: &mut Comparison) {
-    let find = |mode: Mode, step: Option<f64>| {
-        comparison.rows.iter().position(|row| {
-            row.mode == mode.name() && row.algorithm == AUTO && row.macro_step == step && row.status.is_some()
-        })
-    };
-    let mut remarks = Vec::new();
+    let Comparison { rows, curves, .. } = comparison;
     let (mut same, mut compared) = (0, 0);
-    for (index, row) in comparison.rows.iter().enumerate() {
-        if row.mode != Mode::Inprocess.name() || row.status.is_none() {
-            continue;
-        }
-        let Some(other) = find(Mode::Cosimulation, row.macro_step) else {
+    for index in 0..rows.len() {
+        let row = &rows[index];
+        let with_fmus = |other: &RunRow| {
+            other.mode == Mode::Cosimulation.name() && other.algorithm == AUTO && other.macro_step == row.macro_step
+        };
+        let other = rows.iter().position(|other| with_fmus(other) && other.status.is_some());
+        let Some(other) = other.filter(|_| row.mode == Mode::Inprocess.name() && row.status.is_some()) else {
             continue;
         };
-        let (here, there) = (&comparison.curves[index], &comparison.curves[other]);
+        let (here, there) = (&curves[index], &curves[other]);
         if here.is_empty() || there.is_empty() {
             continue;
         }
         compared += 1;
         if here == there {
             same += 1;
-            remarks.push((index, "the same bits as with FMUs".to_owned()));
+            rows[index].remark("the same bits as with FMUs");
         } else {
             let rms = here
                 .iter()
                 .zip(there)
                 .filter_map(|(here, there)| pointwise_rms((&there.x, &there.raw), (&here.x, &here.raw)));
             let rms = rms.fold(0.0, f64::max);
-            remarks.push((
-                index,
-                format!("the raw force differs from that with FMUs by {rms:.1e} N (rms)"),
+            rows[index].remark(&format!(
+                "the raw force differs from that with FMUs by {rms:.1e} N (rms)"
             ));
         }
     }
-    for (index, remark) in remarks {
-        comparison.rows[index].remark(&remark);
-    }
     if compared > 0 {
-        comparison.same_bits = Some(same == compared);
-        comparison.notes.push(if same == compared {
-            format!("In process and with FMUs: the same bits at all {compared} macro steps compared.")
-        } else {
-            format!("In process and with FMUs: the same bits at {same} of {compared} macro steps compared.")
-        });
+        let all = same == compared;
+        comparison.same_bits = Some(all);
+        let same = if all { "all".to_owned() } else { format!("{same} of") };
+        let note = format!("In process and with FMUs: the same bits at {same} {compared} macro steps compared.");
+        comparison.notes.push(note);
     }
 }

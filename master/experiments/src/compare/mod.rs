@@ -17,7 +17,5 @@ mod tests;
 mod text;
 
 pub use judge::{Compare, Comparison};
-pub use page::page;
-pub use plan::{ComparedRun, MACRO_STEPS, StepGroup, algorithms, groups, plan};
+pub use plan::{ComparedRun, MACRO_STEPS, StepGroup, algorithms};
 pub use test_problem::{TEST_PROBLEM_STEPS, TestProblem, TestProblemTable};
-pub use text::text;

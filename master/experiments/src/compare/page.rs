@@ -1,21 +1,17 @@
 //! `compare.html`.
 
-use plotly::Scatter;
 use plotly::color::NamedColor;
-use plotly::common::{Line, Mode as Draw, Visible};
-use plotly::layout::{Axis, HoverMode};
+use plotly::common::Visible;
+use plotly::layout::Axis;
 
 use super::Comparison;
 use super::plan::algorithms;
-use crate::engine::export::plot::{Trace, dotted, marked};
-use crate::engine::export::{
-    PageColumn, cells, fixed, grouped, heads, incomplete, number, scrolled, status_counts, status_rule, status_span,
-    step,
-};
+use crate::engine::export::plot::{ERROR, dotted, marked_axis, points, run_curve};
+use crate::engine::export::{fixed, grouped, number, reasons, run_lines, scene_lead, status_rule, status_span, step};
 use crate::engine::run::SETTLE;
 use crate::engine::table::{AUTO, RunRow, Status, milliseconds};
-use results::report::plots::{COLOURS, axis, decades_of, finished, layout, logarithmic, rounded};
-use results::report::{Page, escape, remarks};
+use results::report::plots::{Trace, axis, colour, curve, decades_of, figure, layout, rounded};
+use results::report::{Page, PageColumn, cell, escape, heads, lined, remarks, scrolled, spanning};
 use simulation::Mode;
 
 /// Colour of the monolithic runs.
@@ -24,13 +20,14 @@ const REFERENCE: &str = "#1c2430";
 /// Macro step whose curves are drawn at first, s: long enough to tell the algorithms apart.
 const SHOWN: f64 = 5e-3;
 
-/// Title of the axis of errors.
-const ERROR: &str = "rms error of the filtered force [% of σ]";
-
 /// The page of a comparison.
-#[must_use]
-pub fn page(comparison: &Comparison) -> Page {
-    let mut page = Page::new(&format!("Coupling compared: {}", title(comparison)));
+pub(super) fn page(comparison: &Comparison) -> Page {
+    let title = if comparison.title.is_empty() {
+        &comparison.scene
+    } else {
+        &comparison.title
+    };
+    let mut page = Page::new(&format!("Coupling compared: {title}"));
     page.lead(&lead(comparison));
     page.section("", &best(comparison));
     page.section("Error against macro step", &error_plot(comparison));
@@ -42,80 +39,54 @@ pub fn page(comparison: &Comparison) -> Page {
     page
 }
 
-fn title(comparison: &Comparison) -> &str {
-    if comparison.title.is_empty() {
-        &comparison.scene
-    } else {
-        &comparison.title
-    }
-}
-
 fn lead(comparison: &Comparison) -> String {
-    let mut html = format!(
-        "<p><b>{}</b> · {} runs",
-        escape(&comparison.scene),
-        comparison.rows.len()
-    );
-    html.push_str(&format!(": {}</p>\n", status_counts(&comparison.rows)));
-    if !comparison.source.is_empty() {
-        html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&comparison.source)));
-    }
-    html.push_str(&incomplete(comparison, ""));
+    let html = scene_lead(&comparison.scene, &comparison.source, comparison, "", "");
     // Good news needs no warning.
     if comparison.same_bits == Some(true) {
-        let notes = comparison
-            .notes
-            .iter()
-            .map(|note| format!("<p class=\"good\">{}</p>\n", escape(note)));
-        html.extend(notes);
+        let good = |note: &String| format!("<p class=\"good\">{}</p>\n", escape(note));
+        html + &comparison.notes.iter().map(good).collect::<String>()
     } else {
-        html.push_str(&remarks(&comparison.notes));
+        html + &remarks(&comparison.notes)
     }
-    html
 }
 
 /// Error over macro step as a matrix: one line per algorithm.
 fn best(comparison: &Comparison) -> String {
-    let coupled: Vec<&RunRow> = coupled(comparison).collect();
     let steps = steps(comparison);
     if steps.is_empty() {
         return String::new();
     }
-    let head: String = steps
-        .iter()
-        .map(|step| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step))))
-        .collect();
-    let mut body = String::new();
-    for (index, name) in algorithms().iter().enumerate() {
-        let colour = COLOURS[index % COLOURS.len()];
-        body.push_str(&format!(
-            "<tr><td class=\"s\"><span class=\"swatch\" style=\"background:{colour}\"></span>{name}</td>"
-        ));
-        for step in &steps {
-            let row = coupled
-                .iter()
-                .find(|row| row.algorithm == *name && row.macro_step == Some(*step));
-            let cell = match row {
-                Some(row) if row.status == Some(Status::Stable) => number(row.filtered_error),
-                Some(row) => status_span(row.status),
-                None => String::new(),
-            };
-            body.push_str(&format!("<td class=\"n\">{cell}</td>"));
-        }
-        body.push_str("</tr>\n");
-    }
-    scrolled(
-        &format!("<th>rms error of the filtered force, % of σ</th>{head}"),
-        &body,
-    )
+    let line = |(index, name): (usize, &'static str)| {
+        let colour = colour(index);
+        let swatch = format!("<span class=\"swatch\" style=\"background:{colour}\"></span>{name}");
+        let error = |step: &f64| {
+            let mut rows = coupled(comparison);
+            let row = rows.find(|row| row.algorithm == name && row.macro_step == Some(*step));
+            let error = row.map_or_else(String::new, |row| {
+                if row.is_stable() {
+                    number(row.filtered_error)
+                } else {
+                    status_span(row.status)
+                }
+            });
+            cell("n", &error)
+        };
+        cell("s", &swatch) + &steps.iter().map(error).collect::<String>()
+    };
+    let head = format!("<th>rms error of the filtered force, % of σ</th>{}", step_heads(&steps));
+    lined(&head, algorithms().into_iter().enumerate().map(line))
+}
+
+/// Headings of columns for macro steps, s.
+pub(super) fn step_heads(steps: &[f64]) -> String {
+    let head = |step: &f64| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step)));
+    steps.iter().map(head).collect()
 }
 
 /// The rows with FMUs.
 fn coupled(comparison: &Comparison) -> impl Iterator<Item = &RunRow> {
-    comparison
-        .rows
-        .iter()
-        .filter(|row| row.mode == Mode::Cosimulation.name())
+    let rows = comparison.rows.iter();
+    rows.filter(|row| row.mode == Mode::Cosimulation.name())
 }
 
 /// Errors of these that a logarithmic axis has a place for, %.
@@ -131,69 +102,44 @@ fn steps(comparison: &Comparison) -> Vec<f64> {
     steps
 }
 
-/// The macro steps that were run, and no others.
 fn macro_step_axis(comparison: &Comparison) -> Axis {
-    let steps = steps(comparison);
-    logarithmic("macro step [ms]")
-        .tick_values(steps.iter().map(|step| 1e3 * step).collect())
-        .tick_text(steps.iter().map(|step| milliseconds(Some(*step))).collect())
+    marked_axis("macro step [ms]", steps(comparison).iter().map(|step| 1e3 * step))
 }
 
-/// One curve per algorithm through `point` of each row that ended; open marks where the run is not stable.
+/// One curve per algorithm through `point` of each row.
 fn curves(comparison: &Comparison, point: impl Fn(&RunRow) -> Option<(f64, f64)>) -> Vec<Trace> {
-    let mut traces = Vec::new();
-    for (index, name) in algorithms().iter().enumerate() {
-        let colour = COLOURS[index % COLOURS.len()];
-        let ended = |row: &&RunRow| {
-            row.algorithm == *name && matches!(row.status, Some(Status::Stable | Status::Limit | Status::Diverged))
-        };
-        let (mut points, mut marks, mut said) = (Vec::new(), Vec::new(), Vec::new());
-        for row in coupled(comparison).filter(ended) {
-            // A logarithmic axis has no place for zero.
-            let Some((at, value)) = point(row).filter(|(at, value)| *at > 0.0 && *value > 0.0) else {
-                continue;
-            };
-            points.push((at, value));
-            let status = row.status.map_or("", Status::name);
-            marks.push(if row.status == Some(Status::Stable) {
-                colour
-            } else {
-                "#ffffff"
-            });
-            let order = row
-                .order
-                .map_or_else(String::new, |order| format!(", order {order:.1}"));
-            said.push(format!(
-                "{name}, {} ms: {} % of σ{order}, {} J, {} s, {status}",
-                milliseconds(row.macro_step),
-                number(row.filtered_error),
-                number(row.energy_residual),
-                number(row.wall),
-            ));
-        }
-        if points.is_empty() {
-            continue;
-        }
-        let wide = if *name == AUTO { 3.0 } else { 1.6 };
-        traces.push(marked(points, said, (colour, wide), marks).name(*name));
-    }
-    traces
+    let said = |row: &RunRow| {
+        let order = row
+            .order
+            .map_or_else(String::new, |order| format!(", order {order:.1}"));
+        format!(
+            "{}, {} ms: {} % of σ{order}, {} J, {} s, {}",
+            row.algorithm,
+            milliseconds(row.macro_step),
+            number(row.filtered_error),
+            number(row.energy_residual),
+            number(row.wall),
+            row.status.map_or("", Status::name)
+        )
+    };
+    let curve = |(index, name): (usize, &'static str)| {
+        let rows = coupled(comparison).filter(|row| row.algorithm == name);
+        let runs = rows.filter_map(|row| Some((point(row)?, row)));
+        let width = if name == AUTO { 3.0 } else { 1.6 };
+        Some(run_curve(runs, said, colour(index), width)?.name(name))
+    };
+    algorithms().into_iter().enumerate().filter_map(curve).collect()
 }
 
 fn error_plot(comparison: &Comparison) -> String {
     let traces = curves(comparison, |row| Some((1e3 * row.macro_step?, row.filtered_error?)));
-    if traces.is_empty() {
-        return String::new();
-    }
-    let layout = layout(
-        macro_step_axis(comparison),
-        decades_of(ERROR, filtered_errors(comparison)),
-    );
-    format!(
-        "{}<p class=\"caption\">Filled marks: stable; open marks: limit or diverged. The orders between the marks are \
-         in the table below and under the pointer. Where the micro step changes (column micro step), the references \
-         change with it.</p>\n",
-        finished(traces, layout.hover_mode(HoverMode::Closest), "plot-error", 420)
+    let errors = decades_of(ERROR, filtered_errors(comparison));
+    figure(
+        traces,
+        points(macro_step_axis(comparison), errors),
+        ("plot-error", 420),
+        "Filled marks: stable; open marks: limit or diverged. The orders between the marks are in the table below and \
+         under the pointer. Where the micro step changes (column micro step), the references change with it.",
     )
 }
 
@@ -204,118 +150,88 @@ fn cost_plot(comparison: &Comparison) -> String {
     }
     // The cost of one system at each micro step, over the whole range of errors.
     let errors = || filtered_errors(comparison);
-    let (low, high) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
-    for row in &comparison.rows {
-        let (Some(wall), true) = (row.wall, row.mode == Mode::Monolithic.name()) else {
-            continue;
-        };
-        let name = format!(
-            "monolithic, micro step {} ms: {} s",
-            milliseconds(row.micro_step),
-            number(Some(wall))
-        );
-        traces.push(dotted(vec![wall, wall], vec![low, high], &name, REFERENCE));
+    let range = vec![errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max)];
+    for row in comparison.rows.iter().filter(|row| row.mode == Mode::Monolithic.name()) {
+        let Some(wall) = row.wall else { continue };
+        let (step, cost) = (milliseconds(row.micro_step), number(row.wall));
+        let name = format!("monolithic, micro step {step} ms: {cost} s");
+        traces.push(dotted(vec![wall; 2], range.clone(), &name, REFERENCE));
     }
-    let layout = layout(
-        decades_of(
-            "wall time of the time loop [s]",
-            comparison.rows.iter().filter_map(|row| row.wall),
+    let walls = comparison.rows.iter().filter_map(|row| row.wall);
+    figure(
+        traces,
+        points(
+            decades_of("wall time of the time loop [s]", walls),
+            decades_of(ERROR, errors()),
         ),
-        decades_of(ERROR, errors()),
-    );
-    format!(
-        "{}<p class=\"caption\">Lower left is better. Dotted: what the monolithic runs cost.</p>\n",
-        finished(traces, layout.hover_mode(HoverMode::Closest), "plot-cost", 420)
+        ("plot-cost", 420),
+        "Lower left is better. Dotted: what the monolithic runs cost.",
     )
 }
 
 fn energy_plot(comparison: &Comparison) -> String {
-    let traces = curves(comparison, |row| {
-        Some((1e3 * row.macro_step?, row.energy_residual?.abs()))
-    });
-    if traces.is_empty() {
-        return String::new();
-    }
-    let residuals = coupled(comparison).filter_map(|row| row.energy_residual.map(f64::abs));
-    let layout = layout(
-        macro_step_axis(comparison),
-        decades_of("|energy residual| [J]", residuals),
-    );
-    format!(
-        "{}<p class=\"caption\">Work of the strip on the line plus work of the contact on the strip, whole run: a \
-         coupling without error has 0, a positive value is energy that it has added. The sign is in the table and \
-         under the pointer.</p>\n",
-        finished(traces, layout.hover_mode(HoverMode::Closest), "plot-energy", 360)
+    let energy = |row: &RunRow| row.energy_residual.map(f64::abs);
+    let residuals = decades_of("|energy residual| [J]", coupled(comparison).filter_map(energy));
+    figure(
+        curves(comparison, |row| Some((1e3 * row.macro_step?, energy(row)?))),
+        points(macro_step_axis(comparison), residuals),
+        ("plot-energy", 360),
+        "Work of the strip on the line plus work of the contact on the strip, whole run: a coupling without error has \
+         0, a positive value is energy that it has added. The sign is in the table and under the pointer.",
     )
 }
 
 /// Reference of the coarsest group and the algorithms at one long macro step; the automatic choice at the others, and
 /// the other algorithms, can be switched on.
 fn force_plot(comparison: &Comparison) -> String {
-    let mut traces = Vec::new();
-    let mut drawn = |index: usize, name: String, colour: &'static str, width: f64, visible: bool| {
-        let Some(curve) = comparison.curves[index].first() else {
-            return;
-        };
-        let range = curve.range.clone();
-        let trace = Scatter::new(
-            rounded(&curve.x[range.clone()], 1e3),
-            rounded(&curve.filtered[range], 1e2),
-        )
-        .mode(Draw::Lines)
-        .name(name)
-        .line(Line::new().color(colour).width(width));
-        traces.push(if visible {
-            trace
-        } else {
-            trace.visible(Visible::LegendOnly)
-        });
+    let drawn = |index: usize, name: &str, colour: &'static str, width: f64| {
+        let force = comparison.curves[index].first()?;
+        let range = force.range.clone();
+        let x = rounded(&force.x[range.clone()], 1e3);
+        Some(curve(x, rounded(&force.filtered[range], 1e2), name, colour, width))
     };
     let steps = coupled(comparison).filter_map(|row| row.macro_step);
     let Some(step) = steps.min_by(|a, b| (a / SHOWN).ln().abs().total_cmp(&(b / SHOWN).ln().abs())) else {
         return String::new();
     };
-    let rows = &comparison.rows;
-    let of_step = |row: &RunRow| row.mode == Mode::Cosimulation.name() && row.macro_step == Some(step);
-    let micro = rows.iter().find(|row| of_step(row)).and_then(|row| row.micro_step);
+    let mut at_step = coupled(comparison).filter(|row| row.macro_step == Some(step));
+    let micro = at_step.next().and_then(|row| row.micro_step);
+    let rows = || comparison.rows.iter().enumerate();
+    let mut traces = Vec::new();
     // The colours of the algorithms, the reference on top in black.
-    for (place, name) in algorithms().iter().enumerate() {
-        let colour = COLOURS[place % COLOURS.len()];
-        for (index, row) in rows.iter().enumerate() {
-            if row.mode != Mode::Cosimulation.name() || row.algorithm != *name {
+    for (place, name) in algorithms().into_iter().enumerate() {
+        for (index, row) in rows().filter(|(_, row)| row.mode == Mode::Cosimulation.name() && row.algorithm == name) {
+            let at_step = row.macro_step == Some(step);
+            if !at_step && name != AUTO {
                 continue;
             }
-            let at_step = row.macro_step == Some(step);
-            if at_step || *name == AUTO {
-                let name = format!("{name} {} ms", milliseconds(row.macro_step));
-                drawn(index, name, colour, 1.8, at_step && row.status == Some(Status::Stable));
-            }
+            let name = format!("{name} {} ms", milliseconds(row.macro_step));
+            let hidden = (!at_step || !row.is_stable()).then_some(Visible::LegendOnly);
+            let trace = drawn(index, &name, colour(place), 1.8);
+            traces.extend(trace.map(|trace| match hidden {
+                Some(hidden) => trace.visible(hidden),
+                None => trace,
+            }));
         }
     }
-    let monolithic = |row: &RunRow| row.mode == Mode::Monolithic.name() && row.status == Some(Status::Stable);
-    let same_micro = |row: &RunRow| match (row.micro_step, micro) {
-        (Some(own), Some(micro)) => (own / micro - 1.0).abs() < 0.5,
-        _ => false,
-    };
-    if let Some(index) = rows.iter().position(|row| monolithic(row) && same_micro(row)) {
-        drawn(index, "monolithic".to_owned(), REFERENCE, 1.2, true);
-    }
-    if traces.is_empty() {
-        return String::new();
-    }
-    let layout = layout(
+    let monolithic = |row: &RunRow| row.mode == Mode::Monolithic.name() && row.is_stable();
+    let near = |(own, micro): (f64, f64)| (own / micro - 1.0).abs() < 0.5;
+    let mut whole = rows().filter(|(_, row)| monolithic(row) && row.micro_step.zip(micro).is_some_and(near));
+    traces.extend(
+        whole
+            .next()
+            .and_then(|(index, _)| drawn(index, "monolithic", REFERENCE, 1.2)),
+    );
+    let axes = layout(
         axis("position of the contact along the track [m]").zero_line(false),
         axis("filtered contact force [N]"),
     );
-    format!(
-        "{}<p class=\"caption\">First pantograph, evaluation range. Click in the legend to switch a curve; drag to \
-         zoom, double-click to go back.</p>\n",
-        finished(
-            traces,
-            layout.paper_background_color(NamedColor::White),
-            "plot-force",
-            420
-        )
+    figure(
+        traces,
+        axes.paper_background_color(NamedColor::White),
+        ("plot-force", 420),
+        "First pantograph, evaluation range. Click in the legend to switch a curve; drag to zoom, double-click to go \
+         back.",
     )
 }
 
@@ -342,41 +258,19 @@ const COLUMNS: &[PageColumn<RunRow>] = &[
 ];
 
 fn table(comparison: &Comparison) -> String {
-    let mut body = String::new();
-    for rows in comparison.rows.chunk_by(|a, b| a.mode == b.mode) {
-        let mode = &rows[0].mode;
-        body.push_str(&format!("<tr><th colspan=\"{}\">{mode}</th></tr>\n", COLUMNS.len()));
-        for row in rows {
-            let cells = cells(COLUMNS, row);
-            body.push_str(&format!("<tr title=\"{}\">{cells}</tr>\n", escape(&row.reason)));
-        }
-    }
+    let of_mode = |rows: &[RunRow]| spanning(COLUMNS, &rows[0].mode) + &run_lines(COLUMNS, rows, |row| row);
+    let modes = comparison.rows.chunk_by(|a, b| a.mode == b.mode);
+    let body: String = modes.map(of_mode).collect();
     let said = comparison.rows.iter().filter(|row| !row.reason.is_empty());
-    let reasons = grouped(said.map(|row| {
+    let said = grouped(said.map(|row| {
         let run = format!("{} {} {} ms", row.mode, row.algorithm, milliseconds(row.macro_step));
-        (&row.reason, run)
+        (row.reason.as_str(), run)
     }));
-    let reasons: String = reasons
-        .iter()
-        .map(|(reason, runs)| {
-            format!(
-                "<tr><td>{}</td><td class=\"remark\">{}</td></tr>\n",
-                escape(&runs.join(", ")),
-                escape(reason)
-            )
-        })
-        .collect();
-    let remarks = if reasons.is_empty() {
-        String::new()
-    } else {
-        format!(
-            "<details><summary>What ran and why, and why runs ended</summary>{}</details>\n",
-            scrolled("<th>runs</th><th>reason</th>", &reasons)
-        )
-    };
+    let said = said.into_iter().map(|(reason, runs)| (runs.join(", "), reason));
     format!(
-        "{}{remarks}<p class=\"caption\">All columns, the work of the solvers among them, are in compare.csv.</p>\n",
-        scrolled(&heads(COLUMNS), &body)
+        "{}{}<p class=\"caption\">All columns, the work of the solvers among them, are in compare.csv.</p>\n",
+        scrolled(&heads(COLUMNS), &body),
+        reasons("What ran and why, and why runs ended", "", said.collect())
     )
 }
 

@@ -24,8 +24,7 @@ pub struct StepGroup {
 /// The macro steps from half the scene's micro step on share one micro step, that of the scene or the smallest of them.
 /// Shorter ones would make all runs as dear as their own: they are taken in groups that span less than a factor of
 /// five, each at its smallest.
-#[must_use]
-pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<StepGroup> {
+pub(super) fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<StepGroup> {
     let mut steps = macro_steps.to_vec();
     steps.sort_by(f64::total_cmp);
     steps.dedup();
@@ -81,8 +80,7 @@ pub fn algorithms() -> Vec<&'static str> {
 ///
 /// The FMUs' subsystems without FMI are run with the automatic choice at the macro steps of the coarsest group only:
 /// they compute the same as the FMUs, which is checked there.
-#[must_use]
-pub fn plan(groups: &[StepGroup], duration: f64, keys: &Keys) -> Vec<ComparedRun> {
+pub(super) fn plan(groups: &[StepGroup], duration: f64, keys: &Keys) -> Vec<ComparedRun> {
     let mut runs = Vec::new();
     for (index, group) in groups.iter().enumerate() {
         let smallest = group.macro_steps[0];

@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::export::scrolled;
+use super::page::step_heads;
+use crate::engine::export::status_span;
 use crate::engine::table::{Columns, RunRow, Status, milliseconds, short};
-use crate::engine::{Bench, Experiment, ExperimentError, Machine, Planned, Sheet, Table, Timing};
+use crate::engine::{Bench, Experiment, Machine, Planned, Sheet, Table, Unmade};
 use cosim::test_problem::{self, Case};
-use results::report::{Page, aligned, escape};
+use results::report::{Page, TextColumn, aligned, cell, escape, heading, lined, text_cells};
 use results::statistics::ForceStatistics;
 use simulation::Mode;
 
@@ -108,23 +109,13 @@ impl Experiment for TestProblem {
 
     fn plan(&self) -> Vec<Planned<(Case, f64)>> {
         let of_case = |case: Case| {
-            self.macro_steps
-                .iter()
-                .map(move |&macro_step| (case.clone(), macro_step))
+            let steps = self.macro_steps.iter();
+            steps.map(move |&macro_step| Planned::alone((case.clone(), macro_step), 1.0))
         };
-        let planned = |job| Planned {
-            job,
-            work: 1.0,
-            timing: Timing::Alone,
-        };
-        test_problem::cases()
-            .into_iter()
-            .flat_map(of_case)
-            .map(planned)
-            .collect()
+        test_problem::cases().into_iter().flat_map(of_case).collect()
     }
 
-    fn make(&self, (case, macro_step): &(Case, f64), bench: &Bench<'_>) -> Result<Option<CaseRun>, ExperimentError> {
+    fn make(&self, (case, macro_step): &(Case, f64), bench: &Bench<'_>) -> Result<CaseRun, Unmade> {
         let of = format!("{case:?} {macro_step:?} {} {:?}", self.repeats, Machine::this());
         bench.value(&of, || run(case, *macro_step, self.repeats))
     }
@@ -144,27 +135,20 @@ impl Experiment for TestProblem {
 
 fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
     let sigma = ForceStatistics::of(test_problem::truth(&case.parameters).forces()).map(|force| force.std);
-    let mut walls = Vec::new();
-    let mut outcome = None;
-    for _ in 0..repeats.max(1) {
+    let timed = || {
         let begin = Instant::now();
-        outcome = Some(test_problem::run(case, macro_step));
-        walls.push(begin.elapsed().as_secs_f64());
-    }
-    let outcome = outcome.expect("at least one run");
-    walls.sort_by(f64::total_cmp);
+        let outcome = test_problem::run(case, macro_step);
+        (outcome, begin.elapsed().as_secs_f64())
+    };
+    let (outcome, first) = timed();
+    let walls: Vec<f64> = std::iter::once(first).chain((1..repeats).map(|_| timed().1)).collect();
     let rms_error = Some(outcome.rms_error).filter(|error| error.is_finite());
-    let status = match (outcome.stable, &outcome.failure) {
-        (_, Some(_)) => Status::Diverged,
-        (false, None) => Status::Limit,
-        (true, None) => Status::Stable,
+    let (status, reason) = match (outcome.failure, outcome.stable) {
+        (Some(failure), _) => (Status::Diverged, failure),
+        (None, false) => (Status::Limit, "contact is lost, which the truth never does".to_owned()),
+        (None, true) => (Status::Stable, String::new()),
     };
     let (status, energy) = status.with_energy(outcome.energy_share);
-    let wall = walls[(walls.len() - 1) / 2];
-    let mut reason = outcome.failure.unwrap_or_default();
-    if status == Status::Limit && !outcome.stable {
-        reason = "contact is lost, which the truth never does".to_owned();
-    }
     let mut row = RunRow {
         scene: "test-problem".to_owned(),
         mode: Mode::Inprocess.name().to_owned(),
@@ -176,13 +160,12 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
         reference: "one system, Runge-Kutta, 10 µs".to_owned(),
         raw_error: rms_error.zip(sigma).map(|(error, sigma)| 100.0 * error / sigma),
         energy_residual: Some(outcome.energy_residual),
-        wall: Some(wall),
-        repeats: Some(walls.len() as u64),
-        real_time_factor: Some(wall / test_problem::DURATION),
         macro_steps: Some((test_problem::DURATION / macro_step).round() as u64),
         reason,
         ..RunRow::default()
     };
+    row.timed(&walls);
+    row.real_time_factor = row.wall.map(|wall| wall / test_problem::DURATION);
     row.remark(&energy);
     row.remark(&outcome.report.unwrap_or_default());
     CaseRun {
@@ -193,58 +176,48 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
     }
 }
 
-/// A figure of another master as a cell.
-fn other(error: f64) -> String {
-    if error.is_nan() {
-        "–".to_owned()
-    } else if error.is_infinite() {
-        "lost".to_owned()
-    } else {
-        format!("{error}")
-    }
+/// Head and rows of the figures of other masters.
+fn others() -> (Vec<String>, Vec<Vec<String>>) {
+    let figure = |error: f64| match error {
+        error if error.is_nan() => "–".to_owned(),
+        error if error.is_infinite() => "lost".to_owned(),
+        error => format!("{error}"),
+    };
+    let row = |(name, errors): (&str, [f64; 4])| [vec![name.to_owned()], errors.map(figure).to_vec()].concat();
+    let step = |step: f64| format!("{} ms", milliseconds(Some(step)));
+    (TEST_PROBLEM_STEPS.map(step).to_vec(), OTHERS.map(row).to_vec())
 }
+
+/// Columns of the table on the terminal behind the case.
+const COLUMNS: &[TextColumn<CaseRun, 2>] = &[
+    (["macro", "ms"], |run| milliseconds(run.row.macro_step)),
+    (["rms", "N"], |run| short(run.rms_error)),
+    (["passes", "per step"], |run| format!("{:.2}", run.passes_per_step)),
+    (["energy", "J"], |run| short(run.row.energy_residual)),
+    (["", "status"], |run| run.row.status.map_or("", Status::name).to_owned()),
+    (["wall", "s"], |run| short(run.row.wall)),
+];
 
 /// The table on the terminal.
 fn text(table: &TestProblemTable) -> String {
-    let mut text = String::from("coupling test problem: rms error of the raw contact force over 10 s\n");
-    if !table.complete {
-        text.push_str("INCOMPLETE\n");
+    let state = if table.complete { "" } else { "INCOMPLETE\n" };
+    let behind = |name: &str, cells: Vec<String>| [vec![name.to_owned()], cells].concat();
+    let mut rows: Vec<Vec<String>> = heading(COLUMNS).into_iter().map(|cells| behind("", cells)).collect();
+    for runs in table.runs.chunk_by(|a, b| a.case == b.case) {
+        let line = |(index, run): (usize, &CaseRun)| {
+            let name = if index == 0 { run.case.as_str() } else { "" };
+            behind(name, text_cells(COLUMNS, run))
+        };
+        rows.extend(runs.iter().enumerate().map(line));
     }
-    let cells = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
-    let mut rows = vec![
-        cells(&["", "macro", "rms", "passes", "energy", "", "wall"]),
-        cells(&["", "ms", "N", "per step", "J", "status", "s"]),
-    ];
-    let mut case = "";
-    for run in &table.runs {
-        let name = if run.case == case { "" } else { run.case.as_str() };
-        case = &run.case;
-        rows.push(vec![
-            name.to_owned(),
-            milliseconds(run.row.macro_step),
-            short(run.rms_error),
-            format!("{:.2}", run.passes_per_step),
-            short(run.row.energy_residual),
-            run.row.status.map_or("", Status::name).to_owned(),
-            short(run.row.wall),
-        ]);
-    }
-    text.push('\n');
-    text.push_str(&aligned(&rows));
-    let mut rows = vec![cells(&[
-        "other masters, rms N (lost: contact is)",
-        "0.2 ms",
-        "1 ms",
-        "2 ms",
-        "5 ms",
-    ])];
-    for (name, errors) in OTHERS {
-        let errors = errors.into_iter().map(other);
-        rows.push(std::iter::once(name.to_owned()).chain(errors).collect());
-    }
-    text.push('\n');
-    text.push_str(&aligned(&rows));
-    text
+    let (steps, others) = others();
+    let mut other_rows = vec![behind("other masters, rms N (lost: contact is)", steps)];
+    other_rows.extend(others);
+    format!(
+        "coupling test problem: rms error of the raw contact force over 10 s\n{state}\n{}\n{}",
+        aligned(&rows),
+        aligned(&other_rows)
+    )
 }
 
 /// The page.
@@ -252,31 +225,20 @@ fn page(table: &TestProblemTable) -> Page {
     let mut steps: Vec<f64> = table.runs.iter().filter_map(|run| run.row.macro_step).collect();
     steps.sort_by(f64::total_cmp);
     steps.dedup();
-    let mut names: Vec<&str> = table.runs.iter().map(|run| run.case.as_str()).collect();
-    names.dedup();
-    let matrix = |heading: &str, cell: &dyn Fn(&CaseRun) -> String| {
-        let head: String = steps
-            .iter()
-            .map(|step| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step))))
-            .collect();
-        let mut body = String::new();
-        for name in &names {
-            body.push_str(&format!("<tr><td>{}</td>", escape(name)));
-            for step in &steps {
-                let found = table
-                    .runs
-                    .iter()
-                    .find(|run| run.case == *name && run.row.macro_step == Some(*step));
-                let text = found.map_or_else(String::new, |run| match run.row.status {
-                    Some(Status::Stable) => cell(run),
-                    Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
-                    None => String::new(),
+    let matrix = |heading: &str, shown: fn(&CaseRun) -> String| {
+        let line = |runs: &[CaseRun]| {
+            let at = |step: &f64| {
+                let run = runs.iter().find(|run| run.row.macro_step == Some(*step));
+                let shown = run.map_or_else(String::new, |run| match run.row.trouble() {
+                    Some(status) => status_span(Some(status)),
+                    None => shown(run),
                 });
-                body.push_str(&format!("<td class=\"n\">{text}</td>"));
-            }
-            body.push_str("</tr>\n");
-        }
-        scrolled(&format!("<th>{heading}</th>{head}"), &body)
+                cell("n", &shown)
+            };
+            cell("", &escape(&runs[0].case)) + &steps.iter().map(at).collect::<String>()
+        };
+        let cases = table.runs.chunk_by(|a, b| a.case == b.case);
+        lined(&format!("<th>{heading}</th>{}", step_heads(&steps)), cases.map(line))
     };
     let mut page = Page::new("Coupling test problem");
     let state = if table.complete {
@@ -290,33 +252,25 @@ fn page(table: &TestProblemTable) -> Page {
     ));
     page.section(
         "Error",
-        &matrix("rms error of the raw force, N", &|run| short(run.rms_error)),
+        &matrix("rms error of the raw force, N", |run| short(run.rms_error)),
     );
-    let others: String = OTHERS
-        .iter()
-        .map(|(name, errors)| {
-            let cells = errors
-                .map(|error| format!("<td class=\"n\">{}</td>", other(error)))
-                .concat();
-            format!("<tr><td>{}</td>{cells}</tr>\n", escape(name))
-        })
-        .collect();
-    page.section(
-        "Other masters",
-        &scrolled(
-            "<th>rms error of the raw force, N</th><th class=\"n\">0.2 ms</th><th class=\"n\">1 ms</th><th \
-             class=\"n\">2 ms</th>\
-             <th class=\"n\">5 ms</th>",
-            &others,
-        ),
+    let head = format!(
+        "<th>rms error of the raw force, N</th>{}",
+        step_heads(&TEST_PROBLEM_STEPS)
     );
+    let line = |cells: Vec<String>| {
+        let (name, errors) = cells.split_at(1);
+        let errors: String = errors.iter().map(|error| cell("n", error)).collect();
+        cell("", &escape(&name[0])) + &errors
+    };
+    page.section("Other masters", &lined(&head, others().1.into_iter().map(line)));
     page.section(
         "Cost",
-        &matrix("passes per macro step", &|run| format!("{:.2}", run.passes_per_step)),
+        &matrix("passes per macro step", |run| format!("{:.2}", run.passes_per_step)),
     );
     page.section(
         "Energy",
-        &matrix("energy added by the coupling, J", &|run| short(run.row.energy_residual)),
+        &matrix("energy added by the coupling, J", |run| short(run.row.energy_residual)),
     );
     page
 }

@@ -2,6 +2,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::Scene;
 
+use super::page::page;
+use super::plan::{groups, plan};
+use super::text::text;
 use super::*;
 use crate::engine::run::SETTLE;
 use crate::engine::table::{AUTO, Keys, RunRow, Status, macro_step};
@@ -210,7 +213,7 @@ fn all_algorithms_are_compared_with_the_run_as_one_system() {
         notes: vec!["the same bits".to_owned()],
         ..comparison.clone()
     };
-    let page = super::page(&same).finish();
+    let page = super::page::page(&same).finish();
     assert!(page.contains("<p class=\"good\">the same bits</p>") && !page.contains("<div class=\"notes\">"));
 }
 

@@ -1,10 +1,9 @@
 //! The table on the terminal.
 
 use super::Comparison;
-use crate::engine::Table as _;
-use crate::engine::export::{TextColumn, fixed, heading, status_word, text_cells, wrapped};
-use crate::engine::table::{RunRow, Status, milliseconds, short};
-use results::report::aligned;
+use crate::engine::export::{fixed, scene_head, status_word, wrapped};
+use crate::engine::table::{RunRow, milliseconds, or_dash, short};
+use results::report::{TextColumn, aligned, decimals, heading, text_cells};
 
 /// Columns of the table.
 const COLUMNS: &[TextColumn<RunRow, 2>] = &[
@@ -16,38 +15,19 @@ const COLUMNS: &[TextColumn<RunRow, 2>] = &[
     (["", "order"], |row| fixed(row.order, 1)),
     (["raw", "rms % σ"], |row| short(row.raw_error)),
     (["σ", "%"], |row| short(row.std_error)),
-    (["loss", "%"], |row| {
-        row.loss.map_or_else(|| "–".to_owned(), |loss| format!("{loss:.2}"))
-    }),
+    (["loss", "%"], |row| decimals(row.loss, 2)),
     (["energy", "J"], |row| short(row.energy_residual)),
-    (["wall", "s"], |row| {
-        row.wall.map_or_else(|| "–".to_owned(), |wall| format!("{wall:.2}"))
-    }),
-    (["roll-", "backs"], |row| {
-        row.rollbacks.map_or_else(|| "–".to_owned(), |count| count.to_string())
-    }),
+    (["wall", "s"], |row| decimals(row.wall, 2)),
+    (["roll-", "backs"], |row| or_dash(row.rollbacks)),
 ];
 
 /// The table of a comparison, no wider than 120 columns.
-#[must_use]
-pub fn text(comparison: &Comparison) -> String {
-    let mut text = comparison.scene.clone();
-    if !comparison.title.is_empty() {
-        text.push_str(&format!(": {}", comparison.title));
-    }
-    text.push('\n');
-    if !comparison.complete {
-        let (made, _) = comparison.made();
-        text.push_str(&format!("INCOMPLETE: {made} of {} runs\n", comparison.rows.len()));
-    }
+pub(super) fn text(comparison: &Comparison) -> String {
+    let mut text = scene_head(&comparison.scene, &comparison.title, comparison);
     let mut rows = heading(COLUMNS);
-    let mut mode = "";
-    for row in &comparison.rows {
-        if row.mode != mode {
-            mode = &row.mode;
-            rows.push(vec![format!("{mode}:")]);
-        }
-        rows.push(text_cells(COLUMNS, row));
+    for of_mode in comparison.rows.chunk_by(|a, b| a.mode == b.mode) {
+        rows.push(vec![format!("{}:", of_mode[0].mode)]);
+        rows.extend(of_mode.iter().map(|row| text_cells(COLUMNS, row)));
     }
     text.push('\n');
     text.push_str(&aligned(&rows));
@@ -61,17 +41,11 @@ pub fn text(comparison: &Comparison) -> String {
     for note in &comparison.notes {
         text.push_str(&format!("  {note}\n"));
     }
-    for row in &comparison.rows {
-        let said = matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused));
-        if said {
-            let step = row.macro_step.map(|step| format!(" {} ms", milliseconds(Some(step))));
-            let step = step.unwrap_or_default();
-            let algorithm = if row.algorithm.is_empty() { "" } else { " " };
-            text.push_str(&wrapped(&format!(
-                "{}{algorithm}{}{step}: {}",
-                row.mode, row.algorithm, row.reason
-            )));
-        }
+    for row in comparison.rows.iter().filter(|row| row.trouble().is_some()) {
+        let step = row.macro_step.map(|step| format!("{} ms", milliseconds(Some(step))));
+        let run = [row.mode.as_str(), &row.algorithm, step.as_deref().unwrap_or_default()];
+        let run: Vec<&str> = run.into_iter().filter(|word| !word.is_empty()).collect();
+        text.push_str(&wrapped(&format!("{}: {}", run.join(" "), row.reason)));
     }
     text
 }

@@ -24,6 +24,21 @@ impl From<SetupError> for ExperimentError {
     }
 }
 
+/// Why a job has no outcome.
+#[derive(Debug)]
+pub enum Unmade {
+    /// An end was asked for.
+    Interrupted,
+    /// A reason that concerns all jobs alike.
+    Failed(ExperimentError),
+}
+
+impl<E: Into<ExperimentError>> From<E> for Unmade {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
 /// Company in which a job is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timing {
@@ -45,6 +60,20 @@ pub struct Planned<J> {
     pub timing: Timing,
 }
 
+impl<J> Planned<J> {
+    /// A job made beside others.
+    pub fn beside(job: J, work: f64) -> Self {
+        let timing = Timing::Beside;
+        Self { job, work, timing }
+    }
+
+    /// A job that is timed.
+    pub fn alone(job: J, work: f64) -> Self {
+        let timing = Timing::Alone;
+        Self { job, work, timing }
+    }
+}
+
 /// A plan and a judge.
 ///
 /// Jobs are usually single runs ([`super::Run`]); a job that needs several, one after the other, asks its [`Bench`] for
@@ -60,11 +89,11 @@ pub trait Experiment: Sync {
     /// All jobs that are known beforehand.
     fn plan(&self) -> Vec<Planned<Self::Job>>;
 
-    /// Makes a job; nothing where an end was asked for.
+    /// Makes a job.
     ///
     /// # Errors
-    /// Reasons that concern all jobs alike.
-    fn make(&self, job: &Self::Job, bench: &Bench<'_>) -> Result<Option<Self::Found>, ExperimentError>;
+    /// Reasons that concern all jobs alike, and an end that was asked for.
+    fn make(&self, job: &Self::Job, bench: &Bench<'_>) -> Result<Self::Found, Unmade>;
 
     /// Name of a job beside the progress bar.
     fn label(&self, _job: &Self::Job) -> String {

@@ -11,10 +11,10 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::machine::{forget_touched, touched};
-use super::plan::{Experiment, ExperimentError, Planned, Timing};
+use super::plan::{Experiment, ExperimentError, Planned, Timing, Unmade};
 use super::run::{Attempt, Run};
 use super::store::{Store, Times, key, value_key};
-use super::table::{ForceCurve, Status};
+use super::table::ForceCurve;
 use results::report::Progress;
 use system::run::Watch;
 
@@ -85,123 +85,111 @@ impl Guard {
 }
 
 impl Bench<'_> {
-    /// `true` where an end was asked for.
-    #[must_use]
-    pub fn is_interrupted(&self) -> bool {
-        self.shared.site.interrupted.load(Ordering::Relaxed)
+    /// Ends the job where an end was asked for.
+    ///
+    /// # Errors
+    /// That end.
+    pub(crate) fn go_on(&self) -> Result<(), Unmade> {
+        if self.shared.site.interrupted.load(Ordering::Relaxed) {
+            return Err(Unmade::Interrupted);
+        }
+        Ok(())
     }
 
     /// The only run of a job; see [`run_part`](Self::run_part).
     ///
     /// # Errors
-    /// FMUs that cannot be made, a store that cannot be written.
-    pub fn run(&self, run: &Run) -> Result<Option<Arc<Attempt>>, ExperimentError> {
+    /// FMUs that cannot be made, a store that cannot be written, an end that was asked for.
+    pub fn run(&self, run: &Run) -> Result<Arc<Attempt>, Unmade> {
         self.run_part(run, 1.0)
     }
 
-    /// One run of a job, made here, by another worker or earlier; nothing where an end was asked for. `part` is its
-    /// share of the job's progress (–).
+    /// One run of a job, made here, by another worker or earlier. `part` is its share of the job's progress (–).
     ///
     /// # Errors
-    /// FMUs that cannot be made, a store that cannot be written.
-    pub fn run_part(&self, run: &Run, part: f64) -> Result<Option<Arc<Attempt>>, ExperimentError> {
+    /// FMUs that cannot be made, a store that cannot be written, an end that was asked for.
+    pub fn run_part(&self, run: &Run, part: f64) -> Result<Arc<Attempt>, Unmade> {
         let Some(key) = key(run) else {
             // The scene refuses it: there is nothing to be kept.
-            return Ok(Some(Arc::new(self.fresh(run, part, [&|| {}; 2])?)));
+            return Ok(Arc::new(self.fresh(run, part, [&|| {}; 2])?));
         };
         let slot = Arc::clone(lock(&self.shared.slots).entry(key.clone()).or_default());
         let mut slot = lock(&slot);
-        let known = slot
-            .upgrade()
-            .or_else(|| self.shared.site.store.run(&key).map(Arc::new));
-        if let Some(made) = known {
-            self.skip(part);
-            *slot = Arc::downgrade(&made);
-            return Ok(Some(made));
-        }
-        if self.is_interrupted() {
-            return Ok(None);
-        }
-        let made = self.fresh(run, part, [&|| {}; 2])?;
-        if made.interrupted {
-            return Ok(None);
-        }
-        self.shared.site.store.keep(&key, &made)?;
-        let made = Arc::new(made);
+        let store = self.shared.site.store;
+        let made = match slot.upgrade().or_else(|| store.run(&key).map(Arc::new)) {
+            Some(made) => {
+                self.skip(part);
+                made
+            }
+            None => {
+                let made = self.fresh(run, part, [&|| {}; 2])?;
+                store.keep(&key, &made)?;
+                Arc::new(made)
+            }
+        };
         *slot = Arc::downgrade(&made);
-        Ok(Some(made))
+        Ok(made)
     }
 
     /// A run made `repeats` times, one after the other; the first may be known. With `memory`, the memory that the time
-    /// loop touches is measured too. Nothing where an end was asked for.
+    /// loop touches is measured too.
     ///
     /// # Errors
-    /// FMUs that cannot be made, a store that cannot be written.
-    pub fn timed(&self, run: &Run, repeats: usize, memory: bool) -> Result<Option<Timed>, ExperimentError> {
+    /// FMUs that cannot be made, a store that cannot be written, an end that was asked for.
+    pub fn timed(&self, run: &Run, repeats: usize, memory: bool) -> Result<Timed, Unmade> {
         let Some(key) = key(run) else {
-            let made = self.run(run)?;
-            return Ok(made.map(|made| Timed {
-                made,
-                times: Times::default(),
-            }));
+            let (made, times) = (self.run(run)?, Times::default());
+            return Ok(Timed { made, times });
         };
         let store = self.shared.site.store;
         let mut times = store.times(&key);
-        let mut made = store.run(&key).map(Arc::new);
-        // A run that cannot begin, or does not reach its end, has no time.
-        let ended = |made: &Attempt| made.row.status == Some(Status::Refused) || !made.complete;
         let part = 1.0 / repeats.max(1) as f64;
         self.skip(part * repeats.min(times.walls.len()) as f64);
-        while made.is_none() || times.walls.len() < repeats {
-            if let Some(made) = made.as_ref().filter(|made| ended(made)) {
-                let made = Arc::clone(made);
-                return Ok(Some(Timed { made, times }));
-            }
-            if self.is_interrupted() {
-                return Ok(None);
-            }
+        let again = |times: &mut Times, keep: bool| {
             let (watched, touched_now) = (Cell::new(false), Cell::new(None));
             let begun = || watched.set(memory && forget_touched());
             let finished = || touched_now.set(watched.get().then(touched).flatten());
-            let again = self.fresh(run, part, [&begun, &finished])?;
-            if again.interrupted {
-                return Ok(None);
-            }
+            let made = self.fresh(run, part, [&begun, &finished])?;
             times.memory = times.memory.or(touched_now.get());
-            let (complete, wall) = (again.complete, again.row.wall);
-            if made.is_none() {
-                store.keep(&key, &again)?;
-                made = Some(Arc::new(again));
+            if keep {
+                store.keep(&key, &made)?;
             }
-            if !complete {
-                break;
+            if made.complete {
+                times.walls.extend(made.row.wall);
+                store.keep_times(&key, times)?;
             }
-            times.walls.extend(wall);
-            store.keep_times(&key, &times)?;
+            Ok::<_, Unmade>(made)
+        };
+        let made = match store.run(&key) {
+            Some(made) => made,
+            None => again(&mut times, true)?,
+        };
+        // A run that cannot begin, or does not reach its end, has no time.
+        let mut complete = made.complete;
+        while complete && times.walls.len() < repeats {
+            complete = again(&mut times, false)?.complete;
         }
-        Ok(made.map(|made| Timed { made, times }))
+        let made = Arc::new(made);
+        Ok(Timed { made, times })
     }
 
-    /// A figure that is no run of a scene: known by what it is a figure of, else made; nothing where an end was asked
-    /// for. `make` is given the flag that asks for its end.
+    /// A figure that is no run of a scene: known by what it is a figure of, else made.
     ///
     /// # Errors
-    /// A store that cannot be written.
+    /// A store that cannot be written, an end that was asked for.
     pub fn value<T: Serialize + for<'a> Deserialize<'a>>(
         &self,
         of: &str,
         make: impl FnOnce() -> T,
-    ) -> Result<Option<T>, ExperimentError> {
+    ) -> Result<T, Unmade> {
         let (store, key) = (self.shared.site.store, value_key(of));
         if let Some(value) = store.value(&key) {
-            return Ok(Some(value));
+            return Ok(value);
         }
-        if self.is_interrupted() {
-            return Ok(None);
-        }
+        self.go_on()?;
         let value = make();
         store.keep_value(&key, &value)?;
-        Ok(Some(value))
+        Ok(value)
     }
 
     /// Moves the progress by a part that has not to be made.
@@ -212,11 +200,12 @@ impl Bench<'_> {
     }
 
     /// One run, whatever is known; `begun` and `ended` are called around its time loop.
-    fn fresh(&self, run: &Run, part: f64, [begun, ended]: [&dyn Fn(); 2]) -> Result<Attempt, ExperimentError> {
+    fn fresh(&self, run: &Run, part: f64, [begun, ended]: [&dyn Fn(); 2]) -> Result<Attempt, Unmade> {
+        self.go_on()?;
         let share = part * self.share;
         let duration = run.scene().map_or(1.0, |scene| scene.run.duration);
         let bar = self.shared.site.progress.beside(share, duration);
-        self.guard.stop.store(self.is_interrupted(), Ordering::Relaxed);
+        self.guard.stop.store(false, Ordering::Relaxed);
         *lock(&self.guard.since) = Some(Instant::now());
         let watch = Watch {
             begun,
@@ -234,6 +223,9 @@ impl Bench<'_> {
             (made.interrupted, made.lost) = (false, true);
             let seconds = self.shared.limit.map_or(0, |limit| limit.as_secs());
             made.remarks.push(format!("ended after {seconds} s of wall time"));
+        }
+        if made.interrupted {
+            return Err(Unmade::Interrupted);
         }
         if !self.shared.whole_forces {
             made.curves = made.curves.iter().map(ForceCurve::cut).collect();
@@ -272,15 +264,12 @@ pub fn execute<E: Experiment>(
         let first = found.len() - jobs.len();
         for timing in [Timing::Beside, Timing::Alone] {
             let mut order: Vec<usize> = (0..jobs.len()).filter(|&index| jobs[index].timing == timing).collect();
+            let mut workers = 1;
             if timing == Timing::Beside {
+                workers = site.workers;
                 // Long jobs first: the last ones to end are short.
                 order.sort_by(|a, b| jobs[*b].work.total_cmp(&jobs[*a].work));
             }
-            let workers = if timing == Timing::Beside {
-                site.workers.max(1)
-            } else {
-                1
-            };
             let one = |index: usize, guard: &Guard| {
                 site.progress.message(&experiment.label(&jobs[index].job));
                 let bench = Bench {
@@ -289,13 +278,14 @@ pub fn execute<E: Experiment>(
                     share: share(&jobs[index]),
                     moved: Cell::new(0.0),
                 };
-                let done = experiment.make(&jobs[index].job, &bench)?;
-                if done.is_some() {
-                    site.progress
-                        .beside((bench.share - bench.moved.get()).max(0.0), 1.0)
-                        .fill();
-                }
-                Ok::<_, ExperimentError>(done.map(|done| (index, done)))
+                let done = match experiment.make(&jobs[index].job, &bench) {
+                    Ok(done) => done,
+                    Err(Unmade::Interrupted) => return Ok(None),
+                    Err(Unmade::Failed(error)) => return Err(error),
+                };
+                let left = (bench.share - bench.moved.get()).max(0.0);
+                site.progress.beside(left, 1.0).fill();
+                Ok(Some((index, done)))
             };
             let crew = Crew {
                 workers,

@@ -1,6 +1,5 @@
 //! A scene with some keys changed, run once.
 
-use std::any::Any;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -155,19 +154,15 @@ impl Run {
 
     /// The attempt that `make` returns, or that its panic ended.
     pub(crate) fn caught(&self, make: impl FnOnce() -> Result<Attempt, SetupError>) -> Result<Attempt, SetupError> {
-        catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| Ok(self.panicked(&*panic)))
-    }
-
-    fn panicked(&self, panic: &(dyn Any + Send)) -> Attempt {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text
-            .or_else(|| panic.downcast_ref::<&str>().copied())
-            .unwrap_or_default();
-        Attempt {
-            row: self.planned(),
-            remarks: vec![format!("panicked: {text}")],
-            ..Attempt::default()
-        }
+        catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+            Ok(Attempt {
+                row: self.planned(),
+                remarks: vec![format!("panicked: {}", text.unwrap_or_default())],
+                ..Attempt::default()
+            })
+        })
     }
 
     fn attempt_unguarded(&self, watch: &Watch<'_>) -> Result<Attempt, SetupError> {
@@ -250,15 +245,14 @@ impl Attempt {
         }
         let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(ForceCurve::is_still));
         let errors = errors.filter(|_| !still);
-        let (status, reason) = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
-        row.remark(&reason);
+        let status = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
+        let with_energy = status.0.with_energy(self.energy_share);
+        row.judge(status);
         if still && self.complete {
             row.remark(NO_ERRORS);
         }
-        let (status, reason) = status.with_energy(self.energy_share);
-        row.remark(&reason);
+        row.judge(with_energy);
         self.remarks.iter().for_each(|remark| row.remark(remark));
-        row.status = Some(status);
         row
     }
 }
@@ -292,17 +286,17 @@ pub const SETTLE: f64 = 10.0;
 
 /// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has
 /// settled; not longer than the scene's.
-#[must_use]
-pub fn settled(scene: &Scene) -> f64 {
+pub(crate) fn settled(scene: &Scene) -> f64 {
     let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
     let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
     scene.run.duration.min(end)
 }
 
 /// Median of some numbers, the lower one of the middle two.
-pub fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
+    let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
-    values.get((values.len().max(1) - 1) / 2).copied().unwrap_or(f64::NAN)
+    values.get((values.len().max(1) - 1) / 2).copied()
 }
 
 #[cfg(test)]

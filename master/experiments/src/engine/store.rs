@@ -4,6 +4,7 @@
 //! bytes and those of the files that the scene names: the same key gives the same results bit for bit. Wall times
 //! belong to a machine too.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -16,7 +17,6 @@ use super::run::{Attempt, Run};
 use super::table::ForceCurve;
 use results::{OutputDirectory, ResultsError, WindRecord};
 use simulation::Mode;
-use system::disturbance::Disturbance;
 
 /// Hash of some bytes, in hexadecimal.
 #[must_use]
@@ -73,24 +73,16 @@ pub fn by_content(scene: &Scene, base: &Path) -> Scene {
 }
 
 /// Key of a run; nothing where the scene refuses it, so that there is nothing to be kept.
-#[must_use]
-pub fn key(run: &Run) -> Option<String> {
+pub(crate) fn key(run: &Run) -> Option<String> {
     let scene = by_content(&run.scene().ok()?, &run.stage.base).to_toml();
-    let disturbance = if run.disturbance == Disturbance::default() {
-        String::new()
-    } else {
-        format!("{:?}", run.disturbance)
-    };
-    let libraries = if run.variant.mode == Mode::Cosimulation {
-        &**LIBRARIES
-    } else {
-        ""
-    };
-    let mode = run.variant.mode.name();
+    let mode = run.variant.mode;
+    let libraries = if mode == Mode::Cosimulation { &**LIBRARIES } else { "" };
+    let disturbance = format!("{:?}", run.disturbance);
+    let (name, algorithm) = (&*run.stage.name, &*run.variant.algorithm);
     let parts = [
-        &*run.stage.name,
-        mode,
-        &run.variant.algorithm,
+        name,
+        mode.name(),
+        algorithm,
         &scene,
         &disturbance,
         libraries,
@@ -106,12 +98,26 @@ pub struct Store {
     machine: Machine,
 }
 
-/// A run without its series, and how many there are.
+/// A run without its series, and their lengths.
 #[derive(Serialize, Deserialize)]
 struct Head<A> {
     attempt: A,
-    curves: usize,
+    /// Evaluated samples of each contact force.
+    ranges: Vec<Range<usize>>,
+    /// `true` for each strip that a wind acts on.
     winds: Vec<bool>,
+    /// Samples of each series.
+    lengths: Vec<usize>,
+}
+
+/// The series of a run: x, raw and filtered force of each strip, then drag and lift of each wind.
+fn series(run: &Attempt) -> impl Iterator<Item = &Vec<f64>> {
+    let forces = run
+        .curves
+        .iter()
+        .flat_map(|curve| [&curve.x, &curve.raw, &curve.filtered]);
+    let winds = run.winds.iter().flatten().flat_map(|wind| [&wind.drag, &wind.lift]);
+    forces.chain(winds)
 }
 
 /// Wall times of the time loop on a machine.
@@ -138,14 +144,37 @@ impl Store {
     }
 
     /// A run that was made before; one that cannot be read has not been made.
-    #[must_use]
-    pub fn run(&self, key: &str) -> Option<Attempt> {
+    pub(crate) fn run(&self, key: &str) -> Option<Attempt> {
         let head: Head<Attempt> = self.read(&format!("{key}.json"))?;
         let bytes = std::fs::read(self.directory.path().join(format!("{key}.force"))).ok()?;
-        let mut words = Words::of(&bytes)?;
-        let curves = (0..head.curves).map(|_| words.curve()).collect::<Option<_>>()?;
-        let winds = head.winds.iter();
-        let winds = winds.map(|known| if *known { words.wind().map(Some) } else { Some(None) });
+        let (words, rest) = bytes.as_chunks::<8>();
+        if !rest.is_empty() || words.len() != head.lengths.iter().sum::<usize>() {
+            return None;
+        }
+        let mut words = words.iter().map(|word| f64::from_le_bytes(*word));
+        let mut series = head.lengths.iter().map(|length| words.by_ref().take(*length).collect());
+        let mut next = || series.next();
+        let curve = |range: Range<usize>| {
+            let (x, raw, filtered) = (next()?, next()?, next()?);
+            let curve = ForceCurve {
+                x,
+                raw,
+                filtered,
+                range,
+            };
+            (curve.range.end <= curve.x.len()).then_some(curve)
+        };
+        let curves = head.ranges.into_iter().map(curve).collect::<Option<_>>()?;
+        let mut wind = || {
+            Some(WindRecord {
+                drag: next()?,
+                lift: next()?,
+            })
+        };
+        let winds = head
+            .winds
+            .iter()
+            .map(|acts| if *acts { wind().map(Some) } else { Some(None) });
         Some(Attempt {
             curves,
             winds: winds.collect::<Option<_>>()?,
@@ -158,24 +187,25 @@ impl Store {
     ///
     /// # Errors
     /// Reports of the operating system.
-    pub fn keep(&self, key: &str, run: &Attempt) -> Result<(), ResultsError> {
+    pub(crate) fn keep(&self, key: &str, run: &Attempt) -> Result<(), ResultsError> {
         if run.lost {
             return Ok(());
         }
         self.directory.replace(&format!("{key}.force"), |out, path| {
-            out.write_all(&bytes(run)).map_err(results::io(path, "write"))
+            let bytes: Vec<u8> = series(run).flatten().flat_map(|value| value.to_le_bytes()).collect();
+            out.write_all(&bytes).map_err(results::io(path, "write"))
         })?;
         let head = Head {
             attempt: run,
-            curves: run.curves.len(),
+            ranges: run.curves.iter().map(|curve| curve.range.clone()).collect(),
             winds: run.winds.iter().map(Option::is_some).collect(),
+            lengths: series(run).map(Vec::len).collect(),
         };
         self.keep_value(key, &head)
     }
 
     /// Wall times of a run on this machine; none where it was not timed here.
-    #[must_use]
-    pub fn times(&self, key: &str) -> Times {
+    pub(crate) fn times(&self, key: &str) -> Times {
         let found: Option<Times> = self.read(&format!("{key}.times.json"));
         found
             .filter(|times| times.machine == self.machine)
@@ -189,19 +219,17 @@ impl Store {
     ///
     /// # Errors
     /// Reports of the operating system.
-    pub fn keep_times(&self, key: &str, times: &Times) -> Result<(), ResultsError> {
+    pub(crate) fn keep_times(&self, key: &str, times: &Times) -> Result<(), ResultsError> {
         self.write(&format!("{key}.times.json"), times)
     }
 
     /// A figure that is no run of a scene, by the key of [`value_key`].
-    #[must_use]
-    pub fn value<T: for<'a> Deserialize<'a>>(&self, key: &str) -> Option<T> {
+    pub(crate) fn value<T: for<'a> Deserialize<'a>>(&self, key: &str) -> Option<T> {
         self.read(&format!("{key}.json"))
     }
 
     /// A figure of a store in `folder` that is only read; nothing where there is no store.
-    #[must_use]
-    pub fn read_value<T: for<'a> Deserialize<'a>>(folder: &Path, key: &str) -> Option<T> {
+    pub(crate) fn read_value<T: for<'a> Deserialize<'a>>(folder: &Path, key: &str) -> Option<T> {
         serde_json::from_slice(&std::fs::read(folder.join(format!("{key}.json"))).ok()?).ok()
     }
 
@@ -209,7 +237,7 @@ impl Store {
     ///
     /// # Errors
     /// Reports of the operating system.
-    pub fn keep_value(&self, key: &str, value: &impl Serialize) -> Result<(), ResultsError> {
+    pub(crate) fn keep_value(&self, key: &str, value: &impl Serialize) -> Result<(), ResultsError> {
         self.write(&format!("{key}.json"), value)
     }
 
@@ -228,74 +256,8 @@ impl Store {
 }
 
 /// Key of a figure that is no run of a scene, by what it is a figure of; another program has other keys.
-#[must_use]
-pub fn value_key(of: &str) -> String {
+pub(crate) fn value_key(of: &str) -> String {
     digest(&[of.as_bytes(), PROGRAM.as_bytes()])[..24].to_owned()
-}
-
-/// Series of a run as bytes, integers and floats of 64 bits, little end first. For each strip: number of samples, first
-/// and last evaluated sample, x, raw and filtered force; then for each wind: number of samples, drag, lift.
-fn bytes(run: &Attempt) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let mut add = |counts: &[usize], series: &[&[f64]]| {
-        counts
-            .iter()
-            .for_each(|count| bytes.extend((*count as u64).to_le_bytes()));
-        series
-            .iter()
-            .copied()
-            .flatten()
-            .for_each(|value| bytes.extend(value.to_le_bytes()));
-    };
-    for curve in &run.curves {
-        let counts = [curve.x.len(), curve.range.start, curve.range.end];
-        add(&counts, &[&curve.x, &curve.raw, &curve.filtered]);
-    }
-    for wind in run.winds.iter().flatten() {
-        add(&[wind.drag.len()], &[&wind.drag, &wind.lift]);
-    }
-    bytes
-}
-
-/// The way back; nothing where the bytes are not whole.
-struct Words<'a> {
-    words: &'a [[u8; 8]],
-}
-
-impl<'a> Words<'a> {
-    fn of(bytes: &'a [u8]) -> Option<Self> {
-        let (words, rest) = bytes.as_chunks::<8>();
-        rest.is_empty().then_some(Self { words })
-    }
-
-    fn count(&mut self) -> Option<usize> {
-        let (first, rest) = self.words.split_first()?;
-        self.words = rest;
-        usize::try_from(u64::from_le_bytes(*first)).ok()
-    }
-
-    fn series(&mut self, length: usize) -> Option<Vec<f64>> {
-        let (series, rest) = self.words.split_at_checked(length)?;
-        self.words = rest;
-        Some(series.iter().map(|word| f64::from_le_bytes(*word)).collect())
-    }
-
-    fn curve(&mut self) -> Option<ForceCurve> {
-        let (length, from, to) = (self.count()?, self.count()?, self.count()?);
-        let curve = ForceCurve {
-            x: self.series(length)?,
-            raw: self.series(length)?,
-            filtered: self.series(length)?,
-            range: from..to,
-        };
-        (from <= to && to <= length).then_some(curve)
-    }
-
-    fn wind(&mut self) -> Option<WindRecord> {
-        let length = self.count()?;
-        let (drag, lift) = (self.series(length)?, self.series(length)?);
-        Some(WindRecord { drag, lift })
-    }
 }
 
 #[cfg(test)]

@@ -114,7 +114,7 @@ impl Experiment for Squares {
         (0..self.count).map(planned).collect()
     }
 
-    fn make(&self, number: &u32, bench: &Bench<'_>) -> Result<Option<u32>, ExperimentError> {
+    fn make(&self, number: &u32, bench: &Bench<'_>) -> Result<u32, Unmade> {
         bench.value(&format!("square of {number}"), || {
             std::thread::sleep(Duration::from_millis(2));
             self.made.fetch_add(1, Ordering::Relaxed);

@@ -1,16 +1,12 @@
 //! The figures of the thesis that show computed forces, ours on its mesh and, beside it, on the finest mesh that was
 //! computed.
 
-use plotly::Scatter;
-use plotly::common::{Line as Stroke, Mode as Draw};
-use plotly::layout::Axis;
-
 use super::judge::{Line, Reproduction};
 use super::plan::Mesh;
 use super::published::CASES;
-use crate::engine::export::plot::{BOUND, Trace, dotted};
+use crate::engine::export::plot::{BOUND, dotted};
 use results::report::escape;
-use results::report::plots::{COLOURS, axis, finished, layout, rounded};
+use results::report::plots::{COLOURS, Trace, axis, curve, finished, layout, rounded};
 
 /// Subject of a figure of the thesis.
 enum Shown {
@@ -24,54 +20,52 @@ enum Shown {
 
 use Shown::{Contact, Drag, Lift};
 
-/// Figures of the thesis that show computed forces: heading, what of which cases, time range in s.
-const FIGURES: &[(&str, Shown, [f64; 2])] = &[
-    ("Fig. 6: contact force without wind", Contact(&[0]), [0.0, 10.0]),
-    ("Fig. 7: the same, 7 to 10 s", Contact(&[0]), [7.0, 10.0]),
-    ("Fig. 8: penalty force and sliding joint", Contact(&[0, 1]), [0.0, 10.0]),
-    ("Fig. 9: the same, 7 to 10 s", Contact(&[0, 1]), [7.0, 10.0]),
-    ("Fig. 10: wind on the pantograph", Contact(&[2]), [0.0, 10.0]),
-    ("Fig. 11: drag on the pan-head", Drag, [0.0, 10.0]),
-    ("Fig. 12: lift on the pan-head", Lift, [0.0, 10.0]),
+/// Figures of the thesis that show computed forces: number, heading, what of which cases, time range in s.
+const FIGURES: &[(u8, &str, Shown, [f64; 2])] = &[
+    (6, "contact force without wind", Contact(&[0]), [0.0, 10.0]),
+    (7, "the same, 7 to 10 s", Contact(&[0]), [7.0, 10.0]),
+    (8, "penalty force and sliding joint", Contact(&[0, 1]), [0.0, 10.0]),
+    (9, "the same, 7 to 10 s", Contact(&[0, 1]), [7.0, 10.0]),
+    (10, "wind on the pantograph", Contact(&[2]), [0.0, 10.0]),
+    (11, "drag on the pan-head", Drag, [0.0, 10.0]),
+    (12, "lift on the pan-head", Lift, [0.0, 10.0]),
     (
-        "Fig. 13: with wind on the pantograph and without",
+        13,
+        "with wind on the pantograph and without",
         Contact(&[0, 2]),
         [0.0, 10.0],
     ),
-    ("Fig. 14: the same, 7 to 10 s", Contact(&[0, 2]), [7.0, 10.0]),
-    ("Fig. 15: wind on pantograph and wires", Contact(&[3]), [0.0, 10.0]),
+    (14, "the same, 7 to 10 s", Contact(&[0, 2]), [7.0, 10.0]),
+    (15, "wind on pantograph and wires", Contact(&[3]), [0.0, 10.0]),
     (
-        "Fig. 16: with wind on pantograph and wires and without",
+        16,
+        "with wind on pantograph and wires and without",
         Contact(&[0, 3]),
         [0.0, 10.0],
     ),
-    ("Fig. 17: the same, 7 to 10 s", Contact(&[0, 3]), [7.0, 10.0]),
+    (17, "the same, 7 to 10 s", Contact(&[0, 3]), [7.0, 10.0]),
 ];
 
 /// Heading and body of each figure; a body is empty where nothing was computed.
-pub(super) fn figures(reproduction: &Reproduction) -> Vec<(&'static str, String)> {
-    let figure = |(heading, shown, times): &(&'static str, Shown, [f64; 2])| {
+pub(super) fn figures(reproduction: &Reproduction) -> impl Iterator<Item = (String, String)> {
+    FIGURES.iter().map(|(number, heading, shown, times)| {
         let (cases, part) = match shown {
             Contact(cases) => (*cases, None),
             Drag => (&[2][..], Some(0)),
             Lift => (&[2][..], Some(1)),
         };
-        let drawn = |mesh: Mesh| {
-            let id = format!(
-                "{}-{}",
-                figure_id(heading),
-                if mesh == Mesh::ALL[0] { "thesis" } else { "refined" }
-            );
+        let drawn = |mesh: Mesh, which: &str| {
+            let id = format!("figure-{number}-{which}");
             let plot = match part {
                 None => contact(reproduction, cases, mesh, *times, &id),
                 Some(part) => wind(reproduction, cases[0], mesh, part, &id),
             };
             plot.map_or_else(String::new, |plot| format!("<p>{}</p>\n{plot}", escape(&mesh.name())))
         };
-        let refined = finest(reproduction, cases).map_or_else(String::new, drawn);
-        (*heading, drawn(Mesh::ALL[0]) + &refined)
-    };
-    FIGURES.iter().map(figure).collect()
+        let refined = finest(reproduction, cases).map(|mesh| drawn(mesh, "refined"));
+        let body = drawn(Mesh::ALL[0], "thesis") + &refined.unwrap_or_default();
+        (format!("Fig. {number}: {heading}"), body)
+    })
 }
 
 /// The finest mesh, other than that of the thesis, on which all these cases have a curve.
@@ -88,16 +82,6 @@ fn run(reproduction: &Reproduction, case: usize, mesh: Mesh) -> Option<&Line> {
     Line::of(&reproduction.lines, &CASES[case], mesh)
 }
 
-/// Name of a figure in the page.
-fn figure_id(heading: &str) -> String {
-    let number: String = heading
-        .chars()
-        .skip_while(|c| !c.is_ascii_digit())
-        .take_while(char::is_ascii_digit)
-        .collect();
-    format!("figure-{number}")
-}
-
 /// Drag (`part` = 0) or lift (1) of the wind on the pan-head; that of even travel as a line.
 fn wind(reproduction: &Reproduction, case: usize, mesh: Mesh, part: usize, id: &str) -> Option<String> {
     let line = run(reproduction, case, mesh)?;
@@ -105,11 +89,8 @@ fn wind(reproduction: &Reproduction, case: usize, mesh: Mesh, part: usize, id: &
     let (name, force) = [("drag", &wind.drag), ("lift", &wind.lift)][part];
     let time: Vec<f64> = (0..force.len()).map(|index| index as f64 * line.output_step).collect();
     let end = time.last().copied().unwrap_or_default();
-    let computed = Scatter::new(rounded(&time, 1e3), rounded(force, 1e2))
-        .mode(Draw::Lines)
-        .name(name)
-        .line(Stroke::new().color(COLOURS[0]).width(1.1));
-    let mut traces: Vec<Trace> = vec![computed];
+    let (x, y) = (rounded(&time, 1e3), rounded(force, 1e2));
+    let mut traces: Vec<Trace> = vec![curve(x, y, name, COLOURS[0], 1.1)];
     if let Some(even) = line.even_head.map(|even| even[part]) {
         traces.push(dotted(vec![0.0, end], vec![even; 2], "Eq. (18), even travel", BOUND));
     }
@@ -123,23 +104,19 @@ fn contact(reproduction: &Reproduction, shown: &[usize], mesh: Mesh, [from, to]:
     let mut traces: Vec<Trace> = Vec::new();
     for (&index, colour) in shown.iter().zip(COLOURS) {
         let run = run(reproduction, index, mesh);
-        let Some((line, curve)) = run.and_then(|line| Some((line, line.curve.as_ref()?))) else {
+        let Some((line, computed)) = run.and_then(|line| Some((line, line.curve.as_ref()?))) else {
             continue;
         };
-        let samples = curve.raw.iter().enumerate();
+        let samples = computed.raw.iter().enumerate();
         let samples = samples.map(|(index, force)| (index as f64 * line.output_step, *force));
         let (time, force): (Vec<f64>, Vec<f64>) = samples.filter(|(time, _)| (from..=to).contains(time)).unzip();
-        traces.push(
-            Scatter::new(rounded(&time, 1e3), rounded(&force, 1e1))
-                .mode(Draw::Lines)
-                .name(CASES[index].title)
-                .line(Stroke::new().color(colour).width(1.1)),
-        );
+        let (x, y) = (rounded(&time, 1e3), rounded(&force, 1e1));
+        traces.push(curve(x, y, CASES[index].title, colour, 1.1));
     }
     let last = shown.last().filter(|_| !traces.is_empty())?;
     let case = &CASES[*last];
     let name = format!("published mean, {}", case.title);
     traces.push(dotted(vec![from, to], vec![case.mean.value; 2], &name, BOUND));
-    let time: Axis = axis("time [s]").range(vec![from, to]);
+    let time = axis("time [s]").range(vec![from, to]);
     Some(finished(traces, layout(time, axis("contact force [N]")), id, 320))
 }

@@ -13,7 +13,7 @@ use super::relation::{Relation, relations};
 use super::spread::{Spread, spreads};
 use super::wind;
 use crate::engine::table::{ForceCurve, RunRow};
-use crate::engine::{Attempt, Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table, Timing};
+use crate::engine::{Attempt, Bench, Experiment, Planned, Run, Sheet, Stage, Table, Unmade};
 use results::WindRecord;
 use results::report::Page;
 use results::statistics::ForceStatistics;
@@ -135,11 +135,11 @@ impl Table for Reproduction {
     }
 
     fn text(&self) -> String {
-        super::text(self)
+        super::text::text(self)
     }
 
     fn sections(&self) -> Page {
-        super::page(self)
+        super::page::page(self)
     }
 }
 
@@ -188,22 +188,16 @@ impl Experiment for Reproduce {
     type Table = Reproduction;
 
     fn plan(&self) -> Vec<Planned<ReproductionRun>> {
-        let planned = |run: &ReproductionRun| Planned {
-            job: run.clone(),
-            work: 1.0,
-            timing: Timing::Beside,
-        };
-        self.planned.iter().map(planned).collect()
+        let planned = self.planned.iter();
+        planned.map(|run| Planned::beside(run.clone(), 1.0)).collect()
     }
 
-    fn make(&self, planned: &ReproductionRun, bench: &Bench<'_>) -> Result<Option<Line>, ExperimentError> {
+    fn make(&self, planned: &ReproductionRun, bench: &Bench<'_>) -> Result<Line, Unmade> {
         let run = self.run(planned);
+        let mut line = Line::new(planned, &run);
         let made = bench.run(&run)?;
-        Ok(made.map(|made| {
-            let mut line = Line::new(planned, &run);
-            line.take(&made);
-            line
-        }))
+        line.take(&made);
+        Ok(line)
     }
 
     fn judge(&self, found: &[Option<Line>]) -> Reproduction {
@@ -237,12 +231,21 @@ impl Line {
 
     /// The run of a published case on a mesh, in one system.
     pub(super) fn of<'a>(lines: &'a [Self], case: &Case, mesh: Mesh) -> Option<&'a Self> {
-        lines.iter().find(|line| {
-            line.group.is_case()
-                && line.case.scene == case.scene
-                && line.mesh == mesh
-                && line.row.mode == Mode::Monolithic.name()
-        })
+        lines.iter().find(|line| line.computes(case) && line.mesh == mesh)
+    }
+
+    /// `true` where it is a run of a published case in one system, as published or on another mesh.
+    pub(super) fn computes(&self, case: &Case) -> bool {
+        self.group.is_case() && self.case.scene == case.scene && self.row.mode == Mode::Monolithic.name()
+    }
+
+    /// Mean and standard deviation over the published ones, %.
+    pub(super) fn differences(&self) -> [Option<f64>; 2] {
+        let difference = |computed: Option<f64>, published: f64| Some(100.0 * (computed? / published - 1.0));
+        [
+            difference(self.row.mean, self.case.mean.value),
+            difference(self.row.std, self.case.std.value),
+        ]
     }
 
     /// Takes in a run.
@@ -252,16 +255,11 @@ impl Line {
         let raw = curve.and_then(|curve| curve.raw.get(curve.range.clone()));
         self.raw_std = raw.and_then(ForceStatistics::of).map(|force| force.std);
         let wind = made.winds.first().and_then(Option::as_ref);
-        self.head = wind
-            .zip(curve)
-            .and_then(|(wind, curve)| HeadWind::of(wind, curve.range.clone()));
+        let evaluated = wind.zip(curve);
+        self.head = evaluated.and_then(|(wind, curve)| HeadWind::of(wind, curve.range.clone()));
         // Only what may be drawn is kept.
-        self.curve = curve.filter(|_| self.group.is_case()).cloned();
-        self.wind = wind.filter(|_| self.group.is_case()).cloned();
+        if self.group.is_case() {
+            (self.curve, self.wind) = (curve.cloned(), wind.cloned());
+        }
     }
-}
-
-/// A computed figure over the published one, %.
-pub(super) fn difference(computed: Option<f64>, published: f64) -> Option<f64> {
-    computed.map(|computed| 100.0 * (computed / published - 1.0))
 }

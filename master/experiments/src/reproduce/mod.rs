@@ -34,10 +34,8 @@ mod verdict;
 mod wind;
 
 pub use judge::{Extent, HeadWind, Line, Reproduce, Reproduction};
-pub use page::page;
-pub use plan::{Mesh, ReproductionRun, RunGroup, plan};
+pub use plan::{Mesh, ReproductionRun, RunGroup};
 pub use published::{CASES, Case, Figure};
 pub use relation::Relation;
 pub use spread::{End, Spread};
-pub use text::text;
-pub use verdict::{SAME_SIZE, VERDICT_RULE, VISIBLE, Verdict, judge};
+pub use verdict::Verdict;

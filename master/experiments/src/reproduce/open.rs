@@ -54,8 +54,7 @@ pub static OPEN: LazyLock<Vec<Open>> = LazyLock::new(|| {
 
 impl Open {
     /// Its values, one run for each.
-    #[must_use]
-    pub fn values(&self) -> Vec<Value> {
+    pub(super) fn values(&self) -> Vec<Value> {
         let value = |value: &String| Value {
             name: format!("{} {}", value.trim_matches('"'), self.unit)
                 .trim_end()
@@ -70,8 +69,7 @@ impl Open {
     }
 
     /// `true` where it is changed on this mesh.
-    #[must_use]
-    pub fn is_on(&self, mesh: Mesh) -> bool {
+    pub(super) fn is_on(&self, mesh: Mesh) -> bool {
         mesh == Mesh::ALL[0] || (mesh == Mesh::Corrected && self.thesis_mesh_only.is_none())
     }
 }

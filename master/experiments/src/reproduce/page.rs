@@ -7,19 +7,17 @@ use super::figures::figures;
 use super::judge::{Line, Reproduction};
 use super::open::OPEN;
 use super::plan::{Mesh, RunGroup};
-use super::published::{CASES, Case};
+use super::published::CASES;
 use super::spread::Spread;
 use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
 use super::verdict::VERDICT_RULE;
-use crate::engine::export::plot::{BOUND, Trace, dotted, open_points};
-use crate::engine::export::{incomplete, scrolled};
-use results::report::plots::{COLOURS, axis, finished, layout};
-use results::report::{Page, escape, remarks};
-use simulation::Mode;
+use crate::engine::export::incomplete;
+use crate::engine::export::plot::{BOUND, dotted, open_points, points};
+use results::report::plots::{COLOURS, Trace, axis, finished, layout};
+use results::report::{Page, TextColumn, cell, escape, lined, remarks, text_table};
 
 /// The page of a reproduction.
-#[must_use]
-pub fn page(reproduction: &Reproduction) -> Page {
+pub(super) fn page(reproduction: &Reproduction) -> Page {
     let mut page = Page::new("Kulkarni 2016, computed again");
     page.lead(&lead(reproduction));
     page.section("Mean and standard deviation", &table(&cases(reproduction)));
@@ -35,7 +33,7 @@ pub fn page(reproduction: &Reproduction) -> Page {
         page.section(&heading, &open(reproduction, mesh));
     }
     for (heading, body) in figures(reproduction) {
-        page.section(heading, &body);
+        page.section(&heading, &body);
     }
     page.section("What was not computed", &remarks(&missing(reproduction)));
     page
@@ -53,66 +51,39 @@ fn lead(reproduction: &Reproduction) -> String {
 
 /// Rows of plain text as a table; the first one is its head.
 fn table(rows: &[Vec<String>]) -> String {
-    let cells = |cells: &Vec<String>, tag: &str| -> String {
-        let cell = |cell: &String| format!("<{tag}>{}</{tag}>", escape(cell));
-        cells.iter().map(cell).collect()
-    };
     let Some((head, body)) = rows.split_first() else {
         return String::new();
     };
-    let body: String = body
-        .iter()
-        .map(|row| format!("<tr>{}</tr>\n", cells(row, "td")))
-        .collect();
-    scrolled(&cells(head, "th"), &body)
+    let head: String = head.iter().map(|name| format!("<th>{}</th>", escape(name))).collect();
+    let line = |cells: &Vec<String>| cells.iter().map(|text| cell("", &escape(text))).collect();
+    lined(&head, body.iter().map(line))
 }
 
 /// Standard deviation of each case on each plain mesh.
 fn meshes(reproduction: &Reproduction) -> String {
-    let elements = |line: &Line| match line.mesh {
-        Mesh::Plain(count) => Some(9.0 * count as f64),
+    let lines = || reproduction.lines.iter();
+    let on_plain = |line: &Line| match line.mesh {
+        Mesh::Plain(count) => Some((9.0 * count as f64, line.row.std?)),
         Mesh::Corrected => None,
     };
     let mut traces: Vec<Trace> = Vec::new();
     for (case, colour) in CASES.iter().zip(COLOURS) {
-        let points: Vec<(f64, f64)> = computed(reproduction, case)
-            .filter_map(|line| Some((elements(line)?, line.row.std?)))
-            .collect();
-        let (x, y) = points.into_iter().unzip();
+        let (x, y) = lines().filter(|line| line.computes(case)).filter_map(on_plain).unzip();
         let curve = Scatter::new(x, y).mode(Draw::LinesMarkers).name(case.title);
-        traces.push(
-            curve
-                .line(Stroke::new().color(colour))
-                .marker(Marker::new().color(colour)),
-        );
+        let marker = Marker::new().color(colour);
+        traces.push(curve.line(Stroke::new().color(colour)).marker(marker));
     }
     let value = CASES[0].std.value;
     traces.push(dotted(vec![9.0, 72.0], vec![value; 2], "published, no wind", BOUND));
-    let converged = reproduction
-        .lines
-        .iter()
-        .find(|line| line.mesh == Mesh::Corrected && line.group == RunGroup::Mesh && line.case.scene == CASES[0].scene)
-        .and_then(|line| line.row.std);
-    let converged = converged.map_or_else(String::new, |std| {
-        format!(
-            "<p>Converged, {}: {std:.2} N without wind.</p>\n",
-            Mesh::Corrected.name()
-        )
+    let converged = |line: &&Line| {
+        line.mesh == Mesh::Corrected && line.group == RunGroup::Mesh && line.case.scene == CASES[0].scene
+    };
+    let converged = lines().find(converged).and_then(|line| line.row.std).map(|std| {
+        let mesh = Mesh::Corrected.name();
+        format!("<p>Converged, {mesh}: {std:.2} N without wind.</p>\n")
     });
-    let drawn = finished(
-        traces,
-        layout(axis("elements per span"), axis("standard deviation [N]")),
-        "meshes",
-        360,
-    );
-    drawn + &converged
-}
-
-/// Runs of a case in one system, as published and on other meshes.
-fn computed<'a>(reproduction: &'a Reproduction, case: &'a Case) -> impl Iterator<Item = &'a Line> {
-    reproduction.lines.iter().filter(|line| {
-        line.group.is_case() && line.case.scene == case.scene && line.row.mode == Mode::Monolithic.name()
-    })
+    let axes = layout(axis("elements per span"), axis("standard deviation [N]"));
+    finished(traces, axes, "meshes", 360) + &converged.unwrap_or_default()
 }
 
 /// Verdicts on the published changes, over all meshes and on each.
@@ -145,62 +116,33 @@ fn bars(reproduction: &Reproduction, spreads: &[&Spread], id: &str) -> String {
         x.extend([spread.case.std.value; 2]);
         y.extend([at + 0.5, at - 0.5]);
         let Some(ends) = spread.std() else { continue };
-        traces.push(
-            Scatter::new(ends.to_vec(), vec![at; 2])
-                .mode(Draw::Lines)
-                .show_legend(false)
-                .hover_info(HoverInfo::Skip)
-                .line(Stroke::new().color(COLOURS[0]).width(6.0)),
-        );
-        let runs: Vec<(&Line, f64)> = runs(reproduction, spread)
-            .filter_map(|line| Some((line, line.row.std?)))
-            .collect();
-        let said = runs
-            .iter()
-            .map(|(line, std)| format!("{} {}: {std:.2} N", line.quantity, line.value))
-            .collect();
-        traces.push(open_points(runs.iter().map(|(_, std)| (*std, at)), said, COLOURS[0]));
+        let bar = Scatter::new(ends.to_vec(), vec![at; 2]).mode(Draw::Lines);
+        let stroke = Stroke::new().color(COLOURS[0]).width(6.0);
+        traces.push(bar.show_legend(false).hover_info(HoverInfo::Skip).line(stroke));
+        let runs = runs(reproduction, spread).filter_map(|line| Some((line, line.row.std?)));
+        let point = |(line, std): (&Line, f64)| ((std, at), format!("{} {}: {std:.2} N", line.quantity, line.value));
+        let (places, said): (Vec<(f64, f64)>, Vec<String>) = runs.map(point).unzip();
+        traces.push(open_points(places, said, COLOURS[0]));
     }
     traces.push(dotted(x, y, "published", BOUND));
     let quantities = axis("")
         .tick_values(names.iter().map(|(y, _)| *y).collect())
         .tick_text(names.iter().map(|(_, name)| *name).collect::<Vec<_>>())
         .range(vec![0.4, count + 0.6]);
-    finished(
-        traces,
-        layout(axis("standard deviation [N]"), quantities).hover_mode(plotly::layout::HoverMode::Closest),
-        id,
-        120 + 26 * spreads.len() as u32,
-    )
+    let axes = points(axis("standard deviation [N]"), quantities);
+    finished(traces, axes, id, 120 + 26 * spreads.len() as u32)
 }
 
-/// Each spread with the values at its ends.
-fn ends(spreads: &[&Spread]) -> Vec<Vec<String>> {
-    let head = [
-        "quantity",
-        "smallest std [N]",
-        "at",
-        "largest std [N]",
-        "at",
-        "published",
-        "",
-    ];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for spread in spreads {
-        let mut row = vec![spread.quantity.to_owned()];
-        for end in spread
-            .ends
-            .as_ref()
-            .map_or([None; 2], |[low, high]| [Some(low), Some(high)])
-        {
-            row.push(force(end.map(|end| end.std)));
-            row.push(end.map_or_else(String::new, |end| end.at.clone()));
-        }
-        row.extend([spread.case.std.printed(), spread.verdict().to_owned()]);
-        rows.push(row);
-    }
-    rows
-}
+/// Columns of the spreads with the values at their ends.
+const END_COLUMNS: &[TextColumn<Spread, 1>] = &[
+    (["quantity"], |spread| spread.quantity.to_owned()),
+    (["smallest std [N]"], |spread| force(spread.end(0).map(|end| end.std))),
+    (["at"], |spread| spread.end(0).map_or("", |end| &end.at).to_owned()),
+    (["largest std [N]"], |spread| force(spread.end(1).map(|end| end.std))),
+    (["at"], |spread| spread.end(1).map_or("", |end| &end.at).to_owned()),
+    (["published"], |spread| spread.case.std.printed()),
+    ([""], |spread| spread.verdict().to_owned()),
+];
 
 /// The open quantities on one mesh: spreads as bars, every one and every run in a table.
 fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
@@ -214,16 +156,12 @@ fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
         of.map(|spread| spread.quantity).collect()
     };
     let inside = with(Some(true));
-    let mut said = if inside.is_empty() {
-        "The published standard deviation lies inside the range of none of them.".to_owned()
-    } else {
-        format!(
-            "The published standard deviation lies inside the range of {} of {}: {}.",
-            inside.len(),
-            spreads.len(),
-            inside.join(", ")
-        )
+    let (count, all) = (inside.len(), spreads.len());
+    let of = match count {
+        0 => "none of them".to_owned(),
+        _ => format!("{count} of {all}: {}", inside.join(", ")),
     };
+    let mut said = format!("The published standard deviation lies inside the range of {of}.");
     let unknown = with(None);
     if !unknown.is_empty() {
         said.push_str(&format!(" Not computed: {}.", unknown.join(", ")));
@@ -248,7 +186,7 @@ fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
         "{}<p>{}</p>\n{}{}{}",
         bars(reproduction, &spreads, &id),
         escape(&said),
-        table(&ends(&spreads)),
+        table(&text_table(END_COLUMNS, spreads.iter().copied())),
         remarks(&left_out(reproduction, mesh)),
         table(&rows)
     )

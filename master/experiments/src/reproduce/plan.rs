@@ -24,14 +24,12 @@ pub enum RunGroup {
 
 impl RunGroup {
     /// `true` where its runs are published cases with nothing changed but the mesh.
-    #[must_use]
-    pub fn is_case(self) -> bool {
+    pub(super) fn is_case(self) -> bool {
         matches!(self, Self::Published | Self::Mesh)
     }
 
     /// As the table names it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
             Self::Mesh => "mesh",
@@ -62,8 +60,7 @@ impl Mesh {
     ];
 
     /// Name.
-    #[must_use]
-    pub fn name(self) -> String {
+    pub(super) fn name(self) -> String {
         match self {
             Self::Plain(count) => format!("{} elements per span", 9 * count),
             Self::Corrected => "72 corrected elements per span".to_owned(),
@@ -72,18 +69,18 @@ impl Mesh {
 
     /// The keys that make it.
     pub(super) fn keys(self) -> Vec<String> {
-        let key = |name: &str, value: &str| format!("{name}={value}");
-        match self {
-            Self::Plain(count) => vec![
-                key("catenary.mesh.elements_per_interval", &count.to_string()),
-                key("catenary.mesh.corrections", "\"none\""),
-            ],
-            Self::Corrected => vec![
-                key("catenary.mesh.elements_per_interval", "8"),
-                key("catenary.mesh.corrections", "\"auto\""),
-                key("solver.micro_step", "0.0005"),
-            ],
+        let (elements, corrections) = match self {
+            Self::Plain(count) => (count, "none"),
+            Self::Corrected => (8, "auto"),
+        };
+        let mut keys = vec![
+            format!("catenary.mesh.elements_per_interval={elements}"),
+            format!("catenary.mesh.corrections={corrections:?}"),
+        ];
+        if self == Self::Corrected {
+            keys.push("solver.micro_step=0.0005".to_owned());
         }
+        keys
     }
 }
 
@@ -108,8 +105,7 @@ pub struct ReproductionRun {
 /// and, on the thesis' mesh and on the converged one, each open quantity over its range. `quick` leaves out the finer
 /// plain meshes but one, and the open quantities on the converged mesh. `overrides` hold for all runs, and give way to
 /// what a run is about.
-#[must_use]
-pub fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
+pub(super) fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
     let [thesis, ..] = Mesh::ALL;
     let mut runs = Vec::new();
     for case in &CASES {
@@ -117,11 +113,9 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
     }
     runs.push(planned(RunGroup::Published, &CASES[0], thesis, Mode::Cosimulation));
     for mesh in Mesh::ALL {
-        if mesh == thesis || (quick && mesh != Mesh::Plain(2)) {
-            continue;
-        }
-        for case in &CASES {
-            runs.push(planned(RunGroup::Mesh, case, mesh, Mode::Monolithic));
+        if mesh != thesis && (!quick || mesh == Mesh::Plain(2)) {
+            let of_case = |case| planned(RunGroup::Mesh, case, mesh, Mode::Monolithic);
+            runs.extend(CASES.iter().map(of_case));
         }
     }
     for reading in readings() {

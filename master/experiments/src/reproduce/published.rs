@@ -17,8 +17,7 @@ impl Figure {
     }
 
     /// As it is printed.
-    #[must_use]
-    pub fn printed(&self) -> String {
+    pub(super) fn printed(&self) -> String {
         format!("{:.*}", self.decimals, self.value)
     }
 }

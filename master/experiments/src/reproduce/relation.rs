@@ -43,8 +43,7 @@ pub(super) fn mesh_name<S: Serializer>(mesh: &Mesh, serializer: S) -> Result<S::
 pub(super) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (2, 3)];
 
 /// The changes on every mesh on which the cases were run.
-#[must_use]
-pub fn relations(lines: &[Line]) -> Vec<Relation> {
+pub(super) fn relations(lines: &[Line]) -> Vec<Relation> {
     let mut found = Vec::new();
     for mesh in Mesh::ALL {
         for (from, to) in PAIRS.map(|(from, to)| (&CASES[from], &CASES[to])) {
@@ -52,10 +51,15 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
                 continue;
             };
             let change = |from: f64, to: f64| 100.0 * (to / from - 1.0);
-            let relation = |of, published, was: Option<f64>, is: Option<f64>| {
-                let computed = was.zip(is).map(|(was, is)| change(was, is));
+            let (was, is) = (&first.row, &second.row);
+            for (of, [published_was, published_is], computed) in [
+                ("mean", [from.mean, to.mean], was.mean.zip(is.mean)),
+                ("std", [from.std, to.std], was.std.zip(is.std)),
+            ] {
+                let published = change(published_was.value, published_is.value);
+                let computed = computed.map(|(was, is)| change(was, is));
                 let (verdict, why) = judge(published, computed);
-                Relation {
+                found.push(Relation {
                     from,
                     to,
                     mesh,
@@ -64,15 +68,8 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
                     computed,
                     verdict,
                     why,
-                }
-            };
-            let (was, is) = (&first.row, &second.row);
-            let [mean, std] = [
-                change(from.mean.value, to.mean.value),
-                change(from.std.value, to.std.value),
-            ];
-            found.push(relation("mean", mean, was.mean, is.mean));
-            found.push(relation("std", std, was.std, is.std));
+                });
+            }
         }
     }
     found

@@ -64,23 +64,25 @@ impl Spread {
         })
     }
 
+    /// Smallest (0) or largest (1) standard deviation.
+    pub(super) fn end(&self, which: usize) -> Option<&End> {
+        Some(&self.ends.as_ref()?[which])
+    }
+
     /// Smallest and largest standard deviation, N.
-    #[must_use]
-    pub fn std(&self) -> Option<[f64; 2]> {
+    pub(super) fn std(&self) -> Option<[f64; 2]> {
         let [low, high] = self.ends.as_ref()?;
         Some([low.std, high.std])
     }
 
     /// `true` where the published standard deviation of its case lies inside; nothing where no value has one.
-    #[must_use]
-    pub fn holds_published(&self) -> Option<bool> {
+    pub(super) fn holds_published(&self) -> Option<bool> {
         let [low, high] = self.std()?;
         Some((low..=high).contains(&self.case.std.value))
     }
 
     /// The verdict as the table names it.
-    #[must_use]
-    pub fn verdict(&self) -> &'static str {
+    pub(super) fn verdict(&self) -> &'static str {
         match self.holds_published() {
             Some(true) => "inside",
             Some(false) => "outside",
@@ -89,37 +91,26 @@ impl Spread {
     }
 
     /// Reason of the verdict, with its figures.
-    #[must_use]
-    pub fn why(&self) -> String {
+    pub(super) fn why(&self) -> String {
         let of = format!("{} of {} values computed", self.computed, self.values.len());
         let Some([low, high]) = &self.ends else {
             return of;
         };
-        format!(
-            "published {} N is {} {:.2} N (at {}) to {:.2} N (at {}); {of}",
-            self.case.std.printed(),
-            self.verdict(),
-            low.std,
-            low.at,
-            high.std,
-            high.at
-        )
+        let [low, high] = [low, high].map(|end| format!("{:.2} N (at {})", end.std, end.at));
+        let (published, verdict) = (self.case.std.printed(), self.verdict());
+        format!("published {published} N is {verdict} {low} to {high}; {of}")
     }
 }
 
 /// All ranges, of every quantity on every mesh that it was changed on.
-#[must_use]
-pub fn spreads(lines: &[Line]) -> Vec<Spread> {
-    let of_mesh = |mesh: Mesh| -> Vec<Spread> {
+pub(super) fn spreads(lines: &[Line]) -> Vec<Spread> {
+    let of_mesh = |mesh: Mesh| {
         let of = |line: &&Line| line.mesh == mesh && line.group == RunGroup::Open;
         let open: Vec<&Line> = lines.iter().filter(of).collect();
-        let spread = |open: &[&Line]| {
-            let case = open.first()?.case;
-            Spread::of(open, Line::of(lines, case, mesh))
-        };
-        open.chunk_by(|a, b| a.quantity == b.quantity)
-            .filter_map(spread)
-            .collect()
+        let own = |open: &[&Line]| Line::of(lines, open.first()?.case, mesh);
+        let of_quantity = open.chunk_by(|a, b| a.quantity == b.quantity);
+        let spreads: Vec<Spread> = of_quantity.filter_map(|open| Spread::of(open, own(open))).collect();
+        spreads
     };
     Mesh::ALL.into_iter().flat_map(of_mesh).collect()
 }

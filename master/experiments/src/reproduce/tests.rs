@@ -3,7 +3,10 @@ mod table;
 
 use super::judge::Line;
 use super::open::OPEN;
-use super::{CASES, Extent, HeadWind, Mesh, Reproduction, RunGroup, page, plan, text, wind};
+use super::page::page;
+use super::plan::plan;
+use super::text::text;
+use super::{CASES, Extent, HeadWind, Mesh, Reproduction, RunGroup, wind};
 use crate::engine::Table as _;
 use crate::engine::table::{RunRow, Status};
 use results::WindRecord;

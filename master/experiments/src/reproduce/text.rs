@@ -1,6 +1,6 @@
 //! The tables on the terminal.
 
-use super::judge::{Line, Reproduction, difference};
+use super::judge::{Line, Reproduction};
 use super::open::{OPEN, Open};
 use super::plan::{Mesh, RunGroup};
 use super::published::CASES;
@@ -9,18 +9,18 @@ use super::spread::Spread;
 use super::verdict::{VERDICT_RULE, Verdict};
 use super::wind;
 use crate::engine::Table as _;
-use crate::engine::export::{TextColumn, heading, text_cells, wrapped};
-use crate::engine::table::{Status, short};
-use results::report::aligned;
+use crate::engine::export::wrapped;
+use crate::engine::table::{Status, or_dash, short};
+use results::report::{TextColumn, aligned, decimals, text_table};
 
 /// Two decimals, where there is a number: the thesis prints its forces so.
 pub(super) fn force(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}"))
+    decimals(value, 2)
 }
 
 /// A change with its sign.
-pub(super) fn percent(value: Option<f64>) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:+.2}"))
+fn percent(value: Option<f64>) -> String {
+    or_dash(value.map(|value| format!("{value:+.2}")))
 }
 
 /// Columns of the published cases.
@@ -30,116 +30,89 @@ const CASE_COLUMNS: &[TextColumn<Line, 1>] = &[
     (["mode"], |line| line.row.mode.clone()),
     (["mean [N]"], |line| force(line.row.mean)),
     (["published"], |line| line.case.mean.printed()),
-    (["diff. %"], |line| {
-        percent(difference(line.row.mean, line.case.mean.value))
-    }),
+    (["diff. %"], |line| percent(line.differences()[0])),
     (["std [N]"], |line| force(line.row.std)),
     (["published"], |line| line.case.std.printed()),
-    (["diff. %"], |line| {
-        percent(difference(line.row.std, line.case.std.value))
-    }),
+    (["diff. %"], |line| percent(line.differences()[1])),
     (["std, raw"], |line| force(line.raw_std)),
 ];
 
 /// Case, how and on which mesh it was run, published and computed figures; for the groups of the published cases.
 pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
     let cases = reproduction.lines.iter().filter(|line| line.group.is_case());
-    let mut rows = heading(CASE_COLUMNS);
-    rows.extend(cases.map(|line| text_cells(CASE_COLUMNS, line)));
-    rows
+    text_table(CASE_COLUMNS, cases)
+}
+
+/// The readings of the wind that were planned, the scene's own first, each with its run.
+fn read(reproduction: &Reproduction) -> impl Iterator<Item = (&'static str, Option<&Line>)> {
+    let of = |reading: wind::Reading| {
+        let is = |line: &&Line| line.group == RunGroup::Reading && line.value == reading.name;
+        (reading.name, reproduction.lines.iter().find(is))
+    };
+    let own = Line::of(&reproduction.lines, &CASES[2], Mesh::ALL[0]);
+    std::iter::once((wind::own().name, own)).chain(wind::readings().into_iter().map(of))
 }
 
 /// Changes of mean and standard deviation by each reading of the wind, the scene's own first; the published ones in the
 /// head.
 pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let [calm, _, windy, _] = CASES;
-    let published = |windy: f64, calm: f64| percent(Some(windy - calm));
-    let head = [
+    let [calm, _, windy, _] = &CASES;
+    let [mean, std] =
+        [[windy.mean, calm.mean], [windy.std, calm.std]].map(|[windy, calm]| percent(Some(windy.value - calm.value)));
+    let head = vec![
         "reading".to_owned(),
-        format!("mean {} N", published(windy.mean.value, calm.mean.value)),
-        format!("std {} N", published(windy.std.value, calm.std.value)),
+        format!("mean {mean} N"),
+        format!("std {std} N"),
         "std, raw".to_owned(),
     ];
-    let own = |scene: &'static str| {
-        let of = move |line: &&Line| line.group == RunGroup::Published && line.case.scene == scene;
-        reproduction.lines.iter().find(of)
-    };
-    let (Some(without), Some(with)) = (own(calm.scene), own(windy.scene)) else {
+    let published = [calm, windy].map(|case| Line::of(&reproduction.lines, case, Mesh::ALL[0]));
+    let [Some(without), Some(_)] = published else {
         return Vec::new();
     };
-    let rows = |line: &Line, name: &str| {
-        let change =
-            |with: Option<f64>, without: Option<f64>| percent(with.zip(without).map(|(with, without)| with - without));
-        vec![
-            name.to_owned(),
-            change(line.row.mean, without.row.mean),
-            change(line.row.std, without.row.std),
-            change(line.raw_std, without.raw_std),
-        ]
+    let figures = |line: &Line| [line.row.mean, line.row.std, line.raw_std];
+    let row = |(name, line): (&str, Option<&Line>)| {
+        let pairs = figures(line?).into_iter().zip(figures(without));
+        let changes = pairs.map(|(with, without)| percent(with.zip(without).map(|(with, without)| with - without)));
+        Some(std::iter::once(name.to_owned()).chain(changes).collect())
     };
-    let mut table = vec![head.to_vec(), rows(with, wind::own().name)];
-    let others = reproduction.lines.iter().filter(|line| line.group == RunGroup::Reading);
-    table.extend(others.map(|line| rows(line, &line.value)));
-    table
+    std::iter::once(head)
+        .chain(read(reproduction).filter_map(row))
+        .collect()
 }
 
 /// The wind on the pan-head in every reading, the scene's own first, over the evaluation range; what [Thesis, Eq. (18)]
 /// gives for a pan-head that moves with the train beside it. The thesis prints these forces as curves only.
 pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let head = [
-        "reading",
-        "drag, even travel [N]",
-        "drag: min",
-        "mean",
-        "max",
-        "lift, even travel [N]",
-        "lift: min",
-        "mean",
-        "max",
-    ];
-    let mut table = vec![head.map(str::to_owned).to_vec()];
-    let mut readings = vec![(wind::own(), published(reproduction, 2))];
-    for reading in wind::readings() {
-        let of = |line: &&Line| line.group == RunGroup::Reading && line.value == reading.name;
-        let line = reproduction.lines.iter().find(of);
-        readings.push((reading, line));
-    }
-    for (reading, line) in readings {
-        let Some((line, found)) = line.and_then(|line| Some((line, line.head?))) else {
-            continue;
-        };
-        let mut row = vec![reading.name.to_owned()];
+    let head = ["reading", "drag, even travel [N]", "drag: min", "mean", "max"];
+    let head = [&head[..], &["lift, even travel [N]", "lift: min", "mean", "max"]].concat();
+    let mut table = vec![head.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    table.extend(read(reproduction).filter_map(|(name, line)| {
+        let (line, found) = (line?, line?.head?);
+        let mut row = vec![name.to_owned()];
         for (part, found) in [found.drag, found.lift].into_iter().enumerate() {
             row.push(force(line.even_head.map(|even| even[part])));
             row.extend([found.min, found.mean, found.max].map(|value| force(Some(value))));
         }
-        table.push(row);
-    }
+        Some(row)
+    }));
     if table.len() == 1 { Vec::new() } else { table }
 }
 
-/// A published case as its scene has it, in one system.
-pub(super) fn published(reproduction: &Reproduction, case: usize) -> Option<&Line> {
-    Line::of(&reproduction.lines, &CASES[case], Mesh::ALL[0])
-}
+/// Columns of the changes between cases, in percent.
+const CHANGE_COLUMNS: &[TextColumn<Relation, 1>] = &[
+    (["from"], |relation| relation.from.title.to_owned()),
+    (["to"], |relation| relation.to.title.to_owned()),
+    (["mesh"], |relation| relation.mesh.name()),
+    (["of"], |relation| relation.of.to_owned()),
+    (["published"], |relation| percent(Some(relation.published))),
+    (["computed"], |relation| percent(relation.computed)),
+    (["verdict"], |relation| relation.verdict.name().to_owned()),
+    (["why"], |relation| relation.why.clone()),
+];
 
-/// Changes between cases, published and computed, in percent.
+/// Changes between cases, published and computed.
 pub(super) fn changes(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let head = ["from", "to", "mesh", "of", "published", "computed", "verdict", "why"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    rows.extend(reproduction.relations.iter().map(|relation| {
-        vec![
-            relation.from.title.to_owned(),
-            relation.to.title.to_owned(),
-            relation.mesh.name(),
-            relation.of.to_owned(),
-            percent(Some(relation.published)),
-            percent(relation.computed),
-            relation.verdict.name().to_owned(),
-            relation.why.clone(),
-        ]
-    }));
-    rows
+    text_table(CHANGE_COLUMNS, &reproduction.relations)
 }
 
 /// Each published change with the smallest and the largest computed one, and the number of meshes with each verdict.
@@ -176,36 +149,18 @@ pub(super) fn overall(reproduction: &Reproduction) -> Vec<Vec<String>> {
 
 /// The ranges of the open quantities on one mesh.
 pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<&Spread> {
-    reproduction
-        .spreads
-        .iter()
-        .filter(|spread| spread.mesh == mesh)
-        .collect()
+    let spreads = reproduction.spreads.iter();
+    spreads.filter(|spread| spread.mesh == mesh).collect()
 }
 
-/// Each range as a row; nothing, not even a head, where there is none.
-fn open(reproduction: &Reproduction, mesh: Mesh) -> Vec<Vec<String>> {
-    let spreads = spreads(reproduction, mesh);
-    if spreads.is_empty() {
-        return Vec::new();
-    }
-    let mut rows = vec![
-        ["quantity", "smallest", "largest", "published", ""]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
-    for spread in spreads {
-        let [low, high] = spread.std().map_or([None; 2], |ends| ends.map(Some));
-        rows.push(vec![
-            spread.quantity.to_owned(),
-            force(low),
-            force(high),
-            spread.case.std.printed(),
-            spread.verdict().to_owned(),
-        ]);
-    }
-    rows
-}
+/// Columns of the ranges.
+const SPREAD_COLUMNS: &[TextColumn<Spread, 1>] = &[
+    (["quantity"], |spread| spread.quantity.to_owned()),
+    (["smallest"], |spread| force(spread.std().map(|std| std[0]))),
+    (["largest"], |spread| force(spread.std().map(|std| std[1]))),
+    (["published"], |spread| spread.case.std.printed()),
+    ([""], |spread| spread.verdict().to_owned()),
+];
 
 /// Quantities that are not changed on a mesh on which others are, and why.
 pub(super) fn left_out(reproduction: &Reproduction, mesh: Mesh) -> Vec<String> {
@@ -231,37 +186,30 @@ pub(super) fn missing(reproduction: &Reproduction) -> Vec<String> {
 }
 
 /// The tables of a reproduction.
-#[must_use]
-pub fn text(reproduction: &Reproduction) -> String {
+pub(super) fn text(reproduction: &Reproduction) -> String {
     let mut text = aligned(&cases(reproduction));
     text.push_str("\nchanges between cases, in percent\n");
     text.push_str(&aligned(&changes(reproduction)));
     text.push('\n');
     text.push_str(&aligned(&overall(reproduction)));
     text.push_str(&wrapped(VERDICT_RULE));
-    for (heading, rows) in [
-        (
-            "readings of the wind: changes in N, the published ones in the head",
-            readings(reproduction),
-        ),
-        (
-            "wind on the pan-head (Figs. 11 and 12), beside Eq. (18) with Table 5 for one that moves with the train",
-            head(reproduction),
-        ),
-    ] {
+    let changes = "readings of the wind: changes in N, the published ones in the head";
+    let on_head =
+        "wind on the pan-head (Figs. 11 and 12), beside Eq. (18) with Table 5 for one that moves with the train";
+    for (heading, rows) in [(changes, readings(reproduction)), (on_head, head(reproduction))] {
         if !rows.is_empty() {
             text.push_str(&format!("\n{heading}\n{}", aligned(&rows)));
         }
     }
     for mesh in Mesh::ALL {
-        let rows = open(reproduction, mesh);
-        if rows.is_empty() {
+        let spreads = spreads(reproduction, mesh);
+        if spreads.is_empty() {
             continue;
         }
         text.push_str(&format!(
             "\nwhat the thesis leaves open, on {}: std [N] over the range, published std inside or outside\n{}",
             mesh.name(),
-            aligned(&rows)
+            aligned(&text_table(SPREAD_COLUMNS, spreads))
         ));
         for note in left_out(reproduction, mesh) {
             text.push_str(&wrapped(&note));

@@ -34,8 +34,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// As the table names it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Holds => "holds",
             Self::DirectionOnly => "direction only",
@@ -46,35 +45,30 @@ impl Verdict {
 }
 
 /// Verdict of a computed change on a published one, both in %, and the reason with its figures.
-#[must_use]
-pub fn judge(published: f64, computed: Option<f64>) -> (Verdict, String) {
+pub(super) fn judge(published: f64, computed: Option<f64>) -> (Verdict, String) {
     let Some(computed) = computed.filter(|computed| computed.is_finite()) else {
         return (Verdict::NotComputed, "a case has no figures".to_owned());
     };
-    let found = format!("{computed:+.2} %");
-    match (published.abs() >= VISIBLE, computed.abs() >= VISIBLE) {
-        (false, false) => (Verdict::Holds, format!("no visible change: {found}, below {VISIBLE} %")),
-        (false, true) => (
-            Verdict::Refuted,
-            format!("a visible change: {found} where {published:+.2} % is published"),
+    let refuted = |why: &str| {
+        let why = format!("{why}: {computed:+.2} % where {published:+.2} % is published");
+        (Verdict::Refuted, why)
+    };
+    let share = computed / published;
+    let [least, most] = SAME_SIZE;
+    match [published, computed].map(|change| change.abs() >= VISIBLE) {
+        [false, false] => (
+            Verdict::Holds,
+            format!("no visible change: {computed:+.2} %, below {VISIBLE} %"),
         ),
-        (true, false) => (
-            Verdict::Refuted,
-            format!("no visible change: {found} where {published:+.2} % is published"),
-        ),
-        (true, true) if computed.signum() != published.signum() => (
-            Verdict::Refuted,
-            format!("other direction: {found} where {published:+.2} % is published"),
-        ),
-        (true, true) => {
-            let share = computed / published;
-            let [least, most] = SAME_SIZE;
-            if (least..=most).contains(&share) {
-                (Verdict::Holds, format!("{share:.2} of the published change"))
-            } else {
-                let words = format!("same direction, {share:.2} of the published change");
-                (Verdict::DirectionOnly, words)
-            }
+        [false, true] => refuted("a visible change"),
+        [true, false] => refuted("no visible change"),
+        [true, true] if share < 0.0 => refuted("other direction"),
+        [true, true] if (least..=most).contains(&share) => {
+            (Verdict::Holds, format!("{share:.2} of the published change"))
+        }
+        [true, true] => {
+            let words = format!("same direction, {share:.2} of the published change");
+            (Verdict::DirectionOnly, words)
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::cases::{Case, HardParameter};
 use super::figures::Judged;
 use crate::engine::table::{RunRow, Status, significant};
-use crate::engine::{Bench, ExperimentError};
+use crate::engine::{Bench, Unmade};
 use simulation::Mode;
 
 /// Micro steps of the reference in one of the run.
@@ -17,20 +17,6 @@ const PARAMETER_BISECTIONS: u32 = 4;
 
 /// Bisections between the last stable step and the first one that is not.
 const BISECTIONS: u32 = 2;
-
-/// An outcome that takes runs; nothing where an end was asked for.
-pub(super) type Tried<T> = Result<Option<T>, ExperimentError>;
-
-/// The value of a [`Tried`]; returns from the function where there is none.
-macro_rules! known {
-    ($tried:expr) => {
-        match $tried? {
-            Some(value) => value,
-            None => return Ok(None),
-        }
-    };
-}
-pub(super) use known;
 
 /// Way of running a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,8 +51,7 @@ pub(super) fn both_steps(step: f64) -> [String; 2] {
 }
 
 /// The keys that refine the micro step (s) of a run for its reference.
-#[must_use]
-pub fn refined(micro_step: f64) -> Vec<String> {
+pub(super) fn refined(micro_step: f64) -> Vec<String> {
     both_steps(micro_step / REFINED).to_vec()
 }
 
@@ -78,14 +63,14 @@ pub(super) struct CaseBench<'a> {
 
 impl CaseBench<'_> {
     /// A run of the case with other keys, judged by another run with its name.
-    pub fn make(&self, way: &Way, keys: &[String], judge: Option<(&str, &Judged)>) -> Tried<Judged> {
+    pub fn make(&self, way: &Way, keys: &[String], judge: Option<(&str, &Judged)>) -> Result<Judged, Unmade> {
         let run = self.case.run(way, keys);
-        let made = known!(self.bench.run_part(&run, 0.0));
-        Ok(Some(Judged::of(&run, made, judge)))
+        let made = self.bench.run_part(&run, 0.0)?;
+        Ok(Judged::of(&run, made, judge))
     }
 
     /// A run of the case with other keys, judged by the one system; that by itself at a finer micro step.
-    pub fn run(&self, way: &Way, keys: &[String]) -> Tried<Judged> {
+    pub fn run(&self, way: &Way, keys: &[String]) -> Result<Judged, Unmade> {
         let Some((_, micro)) = steps(self.case, keys) else {
             return self.make(way, keys, None);
         };
@@ -94,113 +79,99 @@ impl CaseBench<'_> {
         one_keys.extend(both_steps(micro));
         let mut finer_keys = one_keys.clone();
         finer_keys.extend(refined(micro));
-        let finer = known!(self.make(&Way::ONE, &finer_keys, None));
-        let name = format!(
-            "monolithic, micro step {:?} s",
-            finer.row.micro_step.unwrap_or(f64::NAN)
-        );
+        let finer = self.make(&Way::ONE, &finer_keys, None)?;
+        let finest = finer.row.micro_step.unwrap_or(f64::NAN);
+        let name = format!("monolithic, micro step {finest:?} s");
         let judge = finer.is_stable().then_some((name.as_str(), &finer));
-        let mut one = known!(self.make(&Way::ONE, &one_keys, judge));
+        let mut one = self.make(&Way::ONE, &one_keys, judge)?;
         if !finer.is_stable() && one.is_stable() {
-            one.row.status = Some(Status::Limit);
-            one.row.remark(&format!("at a finer micro step: {}", finer.row.reason));
+            let reason = format!("at a finer micro step: {}", finer.row.reason);
+            one.row.judge((Status::Limit, reason));
         }
         if way.mode == Mode::Monolithic {
-            return Ok(Some(one));
+            return Ok(one);
         }
         if !matches!(one.row.status, Some(Status::Stable | Status::Limit)) {
             return self.make(way, keys, None);
         }
         let name = format!("monolithic, micro step {micro:?} s");
-        let mut made = known!(self.make(way, keys, Some((name.as_str(), &one))));
+        let mut made = self.make(way, keys, Some((name.as_str(), &one)))?;
         if made.is_stable() && one.row.status == Some(Status::Limit) {
-            made.row.status = Some(Status::Limit);
-            made.row.remark(&format!("as one system: {}", one.row.reason));
+            made.row
+                .judge((Status::Limit, format!("as one system: {}", one.row.reason)));
         }
-        Ok(Some(made))
+        Ok(made)
     }
 
     /// Boundary at which a run that is not stable becomes so.
-    pub fn boundary(&self, way: &Way) -> Tried<String> {
+    pub fn boundary(&self, way: &Way) -> Result<String, Unmade> {
         match self.case.parameter {
-            Some(parameter) => self.by_parameter(way, &parameter),
+            Some(parameter) => self.by_parameter(way, parameter),
             None => self.by_step(way),
         }
     }
 
+    /// `true` where a run with other keys is stable.
+    fn is_stable(&self, way: &Way, keys: &[String]) -> Result<bool, Unmade> {
+        Ok(self.run(way, keys)?.is_stable())
+    }
+
     /// The value of the parameter between the harmless and the hard one, by bisection of its logarithm.
-    fn by_parameter(&self, way: &Way, parameter: &HardParameter) -> Tried<String> {
-        let (name, unit) = parameter.name.split_once(" [").unwrap_or((parameter.name, "]"));
-        let unit = unit.trim_end_matches(']');
-        let shown = |value: f64| significant(Some(value)).unwrap_or_default();
-        let (mut good, mut bad) = (parameter.harmless, parameter.hard);
-        if !known!(self.run(way, &[parameter.set(good)])).is_stable() {
-            return Ok(Some(format!("not stable at a {name} of {} {unit} either", shown(good))));
+    fn by_parameter(&self, way: &Way, parameter: HardParameter) -> Result<String, Unmade> {
+        let (name, unit, ends) = parameter.range();
+        let shown = |value: f64| format!("{} {unit}", significant(Some(value)).unwrap_or_default());
+        let mut stable = |value: f64| self.is_stable(way, &[parameter.set(value)]);
+        if !stable(ends.0)? {
+            return Ok(format!("not stable at a {name} of {} either", shown(ends.0)));
         }
-        for _ in 0..PARAMETER_BISECTIONS {
-            let middle = (good * bad).sqrt();
-            if known!(self.run(way, &[parameter.set(middle)])).is_stable() {
-                good = middle;
-            } else {
-                bad = middle;
-            }
-        }
-        Ok(Some(format!(
-            "stable at a {name} of {} {unit}, not at {} {unit}",
-            shown(good),
-            shown(bad)
-        )))
+        let (good, bad) = bisected(ends, PARAMETER_BISECTIONS, &mut stable)?;
+        Ok(format!("stable at a {name} of {}, not at {}", shown(good), shown(bad)))
     }
 
     /// The longest step: macro and micro step shortened together, halved and then bisected.
-    fn by_step(&self, way: &Way) -> Tried<String> {
+    fn by_step(&self, way: &Way) -> Result<String, Unmade> {
         let Some((macro_step, micro)) = steps(self.case, &[]) else {
-            return Ok(Some(String::new()));
+            return Ok(String::new());
         };
-        let start = if way.mode == Mode::Monolithic {
-            micro
+        let (which, start) = if way.mode == Mode::Monolithic {
+            ("micro step", micro)
         } else {
-            macro_step
+            ("macro step", macro_step)
         };
-        let keys = |step: f64| {
-            vec![
+        let mut stable = |step: f64| {
+            let keys = [
                 format!("coupling.macro_step={step:?}"),
                 format!("solver.micro_step={:?}", step.min(micro)),
-            ]
+            ];
+            self.is_stable(way, &keys)
         };
-        let (mut unstable, mut stable) = (start, None);
+        let shown = |step: f64| format!("{} ms", (1e6 * step).round() / 1e3);
+        let mut bad = start;
         for _ in 0..HALVINGS {
-            let step = 0.5 * unstable;
-            if known!(self.run(way, &keys(step))).is_stable() {
-                stable = Some(step);
-                break;
+            let step = 0.5 * bad;
+            if stable(step)? {
+                let (good, bad) = bisected((step, bad), BISECTIONS, &mut stable)?;
+                return Ok(format!("stable to a {which} of {}, not at {}", shown(good), shown(bad)));
             }
-            unstable = step;
+            bad = step;
         }
-        let which = if way.mode == Mode::Monolithic {
-            "micro step"
-        } else {
-            "macro step"
-        };
-        let milliseconds = |step: f64| format!("{} ms", (1e6 * step).round() / 1e3);
-        let Some(mut stable) = stable else {
-            return Ok(Some(format!(
-                "not stable down to a {which} of {}",
-                milliseconds(unstable)
-            )));
-        };
-        for _ in 0..BISECTIONS {
-            let step = (stable * unstable).sqrt();
-            if known!(self.run(way, &keys(step))).is_stable() {
-                stable = step;
-            } else {
-                unstable = step;
-            }
-        }
-        Ok(Some(format!(
-            "stable to a {which} of {}, not at {}",
-            milliseconds(stable),
-            milliseconds(unstable)
-        )))
+        Ok(format!("not stable down to a {which} of {}", shown(bad)))
     }
+}
+
+/// A stable and an unstable value brought nearer to each other, the logarithm of their ratio halved so many times.
+fn bisected(
+    (mut good, mut bad): (f64, f64),
+    times: u32,
+    stable: &mut dyn FnMut(f64) -> Result<bool, Unmade>,
+) -> Result<(f64, f64), Unmade> {
+    for _ in 0..times {
+        let middle = (good * bad).sqrt();
+        if stable(middle)? {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    Ok((good, bad))
 }

@@ -18,38 +18,17 @@ const LINKAGE: &str = include_str!("../../../../scenes/thesis-pantograph.toml");
 /// The cases as data.
 const CASES: &str = include_str!("cases.toml");
 
-/// Three spans of the thesis line.
-const SHORT_LINKAGE: [&str; 4] = [
-    "run.duration=1.5",
-    "run.start_x=20",
-    "run.evaluate={time=[0.3,1.25]}",
-    "catenary.spans=3",
-];
-
-/// No damping anywhere and a trapezoid in time.
-const UNDAMPED: [&str; 8] = [
-    "catenary.mesh.elements_per_interval=1",
-    "catenary.damping.alpha=0",
-    "catenary.damping.beta=0",
-    "pantograph.0.dampings=[0,0]",
-    "solver.rho_inf=1",
-    "coupling.macro_step=0.001",
-    "run.initialise=\"as_given\"",
-    "run.speed_kmh=1",
-];
-
 /// Part of its time that a quick look gives to an undamped case, –.
 const QUICK: f64 = 0.1;
 
-/// Loss and impact three times: the strip is lowered by 60 mm within 40 ms and raised again.
-const LOWERED: [[f64; 3]; 6] = [
-    [0.35, 0.04, -0.06],
-    [0.47, 0.04, 0.06],
-    [0.65, 0.04, -0.06],
-    [0.77, 0.04, 0.06],
-    [0.95, 0.04, -0.06],
-    [1.07, 0.04, 0.06],
-];
+/// The cases as they are written, and what several of them have in common.
+#[derive(Default, Deserialize)]
+struct File {
+    linkage: Vec<String>,
+    undamped: Vec<String>,
+    lowered: Vec<[f64; 3]>,
+    case: Vec<Written>,
+}
 
 /// A case as it is written.
 #[derive(Default, Deserialize)]
@@ -60,7 +39,7 @@ struct Written {
     linkage: bool,
     undamped: Option<f64>,
     set: Vec<String>,
-    hard: Option<Hard>,
+    hard: Option<HardParameter>,
     lift: Vec<[f64; 3]>,
     lowered: bool,
     repeated: bool,
@@ -69,60 +48,37 @@ struct Written {
     slow: bool,
 }
 
-/// The hard value of a parameter.
-#[derive(Clone, Copy, Deserialize)]
+/// The key that makes a case hard, with its value there.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Hard {
+pub enum HardParameter {
     /// N/m.
     ContactStiffness(f64),
     /// kg.
     HeadMass(f64),
 }
 
-/// Algorithms that a case is run with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coupled {
-    /// Every one, and the automatic choice through FMUs.
-    All,
-    /// None: the case has no meaning in a coupled run.
-    No,
-}
-
-/// The key that makes a case hard, from a value that is harmless to the hard one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HardParameter {
-    /// Name, with its unit in brackets.
-    pub name: &'static str,
-    /// The override, with `{}` for the value.
-    pub key: &'static str,
-    /// A value that is harmless; positive.
-    pub harmless: f64,
-    /// The value of the case; positive.
-    pub hard: f64,
-}
-
 impl HardParameter {
-    fn of(hard: Hard) -> Self {
-        match hard {
-            Hard::ContactStiffness(hard) => Self {
-                name: "contact stiffness [N/m]",
-                key: "contact.stiffness={}",
-                harmless: 5e4,
-                hard,
-            },
-            Hard::HeadMass(hard) => Self {
-                name: "head mass [kg]",
-                key: "pantograph.0.masses=[{},15.0]",
-                harmless: 7.2,
-                hard,
-            },
+    /// Name, unit, a value that is harmless, and that of the case; both positive.
+    pub(super) fn range(self) -> (&'static str, &'static str, (f64, f64)) {
+        match self {
+            Self::ContactStiffness(hard) => ("contact stiffness", "N/m", (5e4, hard)),
+            Self::HeadMass(hard) => ("head mass", "kg", (7.2, hard)),
         }
     }
 
-    /// The override that sets it.
-    #[must_use]
-    pub fn set(&self, value: f64) -> String {
-        self.key.replace("{}", &format!("{value:?}"))
+    /// The override that sets it to another value.
+    pub(super) fn set(self, value: f64) -> String {
+        match self {
+            Self::ContactStiffness(_) => format!("contact.stiffness={value:?}"),
+            Self::HeadMass(_) => format!("pantograph.0.masses=[{value:?},15.0]"),
+        }
+    }
+
+    /// The override that makes the case hard.
+    pub(super) fn key(self) -> String {
+        let (.., (_, hard)) = self.range();
+        self.set(hard)
     }
 }
 
@@ -141,31 +97,35 @@ pub struct Case {
     pub disturbance: Disturbance,
     /// Parameter by which its boundary is looked for; the step where there is none.
     pub parameter: Option<HardParameter>,
-    /// Algorithms that it is run with.
-    pub coupled: Coupled,
+    /// `true` where it is run with every algorithm, and with the automatic choice through FMUs; the others have no
+    /// meaning in a coupled run.
+    pub coupled: bool,
     /// `true` where it takes long: no boundary is looked for.
     pub slow: bool,
 }
 
 impl Case {
-    fn of(written: Written, quick: bool) -> Self {
+    fn of(written: Written, common: &File, quick: bool) -> Self {
         let mut overrides: Vec<String> = Vec::new();
         if written.linkage {
-            overrides.extend(SHORT_LINKAGE.map(str::to_owned));
+            overrides.extend_from_slice(&common.linkage);
         }
         if let Some(seconds) = written.undamped {
             let seconds = if quick { QUICK * seconds } else { seconds };
-            overrides.extend(UNDAMPED.map(str::to_owned));
+            overrides.extend_from_slice(&common.undamped);
             overrides.extend([
                 format!("run.duration={seconds}"),
                 format!("run.evaluate={{time=[{},{}]}}", 0.1 * seconds, 0.9 * seconds),
             ]);
         }
         overrides.extend(written.set);
-        let parameter = written.hard.map(HardParameter::of);
-        overrides.extend(parameter.map(|parameter| parameter.set(parameter.hard)));
+        overrides.extend(written.hard.map(HardParameter::key));
         let ramp = |&[start, duration, rise]: &[f64; 3]| Ramp { start, duration, rise };
-        let ramps: &[[f64; 3]] = if written.lowered { &LOWERED } else { &written.lift };
+        let ramps = if written.lowered {
+            &common.lowered
+        } else {
+            &written.lift
+        };
         Self {
             stage: Arc::new(Stage {
                 name: written.name.clone(),
@@ -183,24 +143,19 @@ impl Case {
                 discards: written.discard_one_in.map(|one_in| Discards { seed: 50318, one_in }),
                 deflection: written.deflection.map(|amplitude| Deflection { amplitude }),
             },
-            parameter,
-            coupled: if written.deflection.is_some() {
-                Coupled::No
-            } else {
-                Coupled::All
-            },
+            parameter: written.hard,
+            coupled: written.deflection.is_none(),
             slow: written.slow,
         }
     }
 
     /// The scene that all others change.
-    #[must_use]
-    pub fn plain() -> Self {
+    pub(super) fn plain() -> Self {
         let written = Written {
             name: "plain".to_owned(),
             ..Written::default()
         };
-        Self::of(written, false)
+        Self::of(written, &File::default(), false)
     }
 
     /// This case with packages of FMUs below `folder`.
@@ -211,8 +166,7 @@ impl Case {
     }
 
     /// A run of the case in one way, with other keys besides.
-    #[must_use]
-    pub fn run(&self, way: &Way, keys: &[String]) -> Run {
+    pub(super) fn run(&self, way: &Way, keys: &[String]) -> Run {
         let mut overrides = self.overrides.clone();
         if !way.algorithm.is_empty() {
             overrides.push(format!("coupling.algorithm=\"{}\"", way.algorithm));
@@ -235,10 +189,10 @@ impl Case {
 /// All cases, in the order of the table; a quick look shortens the longest.
 #[must_use]
 pub fn cases(quick: bool) -> Vec<Case> {
-    #[derive(Deserialize)]
-    struct File {
-        case: Vec<Written>,
-    }
-    let file: File = toml::from_str(CASES).expect("the cases are part of the program, and a test reads them");
-    file.case.into_iter().map(|written| Case::of(written, quick)).collect()
+    let mut file: File = toml::from_str(CASES).expect("the cases are part of the program, and a test reads them");
+    let cases = std::mem::take(&mut file.case);
+    cases
+        .into_iter()
+        .map(|written| Case::of(written, &file, quick))
+        .collect()
 }

@@ -59,8 +59,7 @@ pub struct Judged {
 
 impl Judged {
     /// `true` where the run is stable.
-    #[must_use]
-    pub fn is_stable(&self) -> bool {
+    pub(super) fn is_stable(&self) -> bool {
         self.row.status == Some(Status::Stable)
     }
 
@@ -70,8 +69,7 @@ impl Judged {
     }
 
     /// A run that was made, judged against the run that errors are against, with its name.
-    #[must_use]
-    pub fn of(run: &Run, made: Arc<Attempt>, judge: Option<(&str, &Self)>) -> Self {
+    pub(super) fn of(run: &Run, made: Arc<Attempt>, judge: Option<(&str, &Self)>) -> Self {
         let coupled = run.variant.mode != Mode::Monolithic;
         let mut row = made.row.clone();
         // Rows are made side by side: their times would say nothing.
@@ -90,32 +88,25 @@ impl Judged {
             row.take_errors(errors, name);
         }
         let errors = errors.as_ref().map(|(_, errors)| errors);
-        let (mut status, reason) = status(&row, made.complete, errors, judge.map(|(_, judge)| &judge.row));
-        row.remark(&reason);
+        let status = status(&row, made.complete, errors, judge.map(|(_, judge)| &judge.row));
+        let with_energy = status.0.with_energy(share);
+        row.judge(status);
         if coupled {
-            let (with_energy, reason) = status.with_energy(share);
-            row.remark(&reason);
-            status = with_energy;
-        } else if status == Status::Stable && 100.0 * share > MADE {
-            status = Status::Limit;
-            row.remark(&format!(
-                "the time integration made {:.1} % of the energy exchanged",
-                100.0 * share
-            ));
+            row.judge(with_energy);
+        } else if row.is_stable() && 100.0 * share > MADE {
+            let share = 100.0 * share;
+            let reason = format!("the time integration made {share:.1} % of the energy exchanged");
+            row.judge((Status::Limit, reason));
         }
         if figures.largest_force.is_some_and(|force| force > ABSURD) {
-            status = Status::Diverged;
-            row.remark("the contact force has no bound");
+            row.judge((Status::Diverged, "the contact force has no bound".to_owned()));
         }
-        if let Some(evidence) = made.evidence.filter(|evidence| evidence.unrepeated > 0) {
-            status = Status::Diverged;
-            row.remark(&format!(
-                "{} steps did not repeat from a saved state",
-                evidence.unrepeated
-            ));
+        let unrepeated = made.evidence.map_or(0, |evidence| evidence.unrepeated);
+        if unrepeated > 0 {
+            let reason = format!("{unrepeated} steps did not repeat from a saved state");
+            row.judge((Status::Diverged, reason));
         }
         made.remarks.iter().for_each(|remark| row.remark(remark));
-        row.status = Some(status);
         Self { row, figures, made }
     }
 }
@@ -157,20 +148,16 @@ fn status(row: &RunRow, complete: bool, errors: Option<&Errors>, judge: Option<&
 
 /// Figures that are known beforehand: the head on the contact's spring.
 fn theory(scene: &Scene, coupled: bool, row: &RunRow) -> Figures {
-    let head = scene
-        .pantographs
-        .first()
-        .and_then(|pantograph| match &pantograph.model {
-            scene::PantographModel::Lumped(lumped) => lumped.masses.first().copied(),
-            scene::PantographModel::Linkage(linkage) => {
-                let head = linkage.bodies.iter().find(|body| body.name == linkage.strip.body);
-                head.map(|body| body.mass)
-            }
-            scene::PantographModel::Supplied(_) => None,
-        });
-    let omega = head
-        .zip(scene.contact)
-        .map(|(mass, contact)| (contact.stiffness / mass).sqrt());
+    let of_head = |pantograph: &scene::Pantograph| match &pantograph.model {
+        scene::PantographModel::Lumped(lumped) => lumped.masses.first().copied(),
+        scene::PantographModel::Linkage(linkage) => {
+            let head = linkage.bodies.iter().find(|body| body.name == linkage.strip.body);
+            head.map(|body| body.mass)
+        }
+        scene::PantographModel::Supplied(_) => None,
+    };
+    let contact = scene.pantographs.first().and_then(of_head).zip(scene.contact);
+    let omega = contact.map(|(mass, contact)| (contact.stiffness / mass).sqrt());
     let step = if coupled { row.macro_step } else { row.micro_step };
     let omega_h = omega.zip(step).map(|(omega, step)| omega * step);
     let amplification = omega_h.filter(|_| coupled).and_then(|number| {

@@ -6,11 +6,11 @@ use serde::Serialize;
 use tempfile::TempDir;
 
 use super::bench::{CaseBench, Way};
-use super::cases::{Case, Coupled};
+use super::cases::Case;
 use super::figures::Figures;
 use super::maps::{Boundary, Map, Task, assemble, tasks};
 use crate::engine::table::{Columns, RunRow, Status};
-use crate::engine::{Bench, Experiment, ExperimentError, Planned, Sheet, Table, Timing};
+use crate::engine::{Bench, Experiment, Planned, Sheet, Table, Unmade};
 use results::report::Page;
 use simulation::Mode;
 
@@ -46,14 +46,6 @@ pub struct StabilityTable {
     pub maps: Vec<Map>,
 }
 
-impl StabilityTable {
-    /// Number of rows with a status.
-    #[must_use]
-    pub fn count(&self, status: Status) -> usize {
-        self.lines.iter().filter(|line| line.row.status == Some(status)).count()
-    }
-}
-
 impl Table for StabilityTable {
     fn sheet(&self) -> Sheet {
         let columns = || Columns::of(&self.lines);
@@ -81,11 +73,11 @@ impl Table for StabilityTable {
     }
 
     fn text(&self) -> String {
-        super::text(self)
+        super::text::text(self)
     }
 
     fn sections(&self) -> Page {
-        super::page(self)
+        super::page::page(self)
     }
 }
 
@@ -131,7 +123,7 @@ impl Stability {
 /// The ways in which a case is run, one system first.
 fn ways(case: &Case, fmus: bool) -> Vec<Way> {
     let mut ways = vec![Way::ONE];
-    if case.coupled == Coupled::All {
+    if case.coupled {
         let coupled = |mode, algorithm| Way { mode, algorithm };
         ways.extend(ALGORITHMS.map(|algorithm| coupled(Mode::Inprocess, algorithm)));
         if fmus {
@@ -141,16 +133,7 @@ fn ways(case: &Case, fmus: bool) -> Vec<Way> {
     ways
 }
 
-/// A case in one way, or a curve of a map, by its number.
-#[derive(Clone, Copy, Debug)]
-pub enum StabilityJob {
-    /// Number of a line of the table.
-    Line(usize),
-    /// Number of a curve.
-    MapCurve(usize),
-}
-
-/// Outcome of such a job.
+/// Outcome of a job.
 #[derive(Clone, Debug)]
 pub enum StabilityFound {
     /// A line of the table.
@@ -160,42 +143,34 @@ pub enum StabilityFound {
 }
 
 impl Experiment for Stability {
-    type Job = StabilityJob;
+    /// Number of a line of the table, or behind those of a curve.
+    type Job = usize;
     type Found = StabilityFound;
     type Table = StabilityTable;
 
-    fn plan(&self) -> Vec<Planned<StabilityJob>> {
-        let planned = |job, work| Planned {
-            job,
-            work,
-            timing: Timing::Beside,
-        };
+    fn plan(&self) -> Vec<Planned<usize>> {
         let line = |(index, (case, way)): (usize, &(usize, Way))| {
             // Long ones first, then those that judge others, so that no worker waits for another.
             let slow = if self.cases[*case].slow { 4.0 } else { 2.0 };
-            planned(
-                StabilityJob::Line(index),
-                if *way == Way::ONE { slow + 1.0 } else { slow },
-            )
+            let work = if *way == Way::ONE { slow + 1.0 } else { slow };
+            Planned::beside(index, work)
         };
-        let curve = |index| planned(StabilityJob::MapCurve(index), 1.0);
         let lines = self.lines.iter().enumerate().map(line);
-        lines.chain((0..self.tasks.len()).map(curve)).collect()
+        let all = self.lines.len() + self.tasks.len();
+        let curves = (self.lines.len()..all).map(|index| Planned::beside(index, 1.0));
+        lines.chain(curves).collect()
     }
 
-    fn make(&self, job: &StabilityJob, bench: &Bench<'_>) -> Result<Option<StabilityFound>, ExperimentError> {
-        match *job {
-            StabilityJob::Line(index) => {
-                let (case, way) = &self.lines[index];
-                let case = CaseBench {
-                    case: &self.cases[*case],
-                    bench,
-                };
-                let line = self.line(&case, way)?;
-                Ok(line.map(|line| StabilityFound::Line(Box::new(line))))
-            }
-            StabilityJob::MapCurve(index) => Ok(self.tasks[index].points(bench)?.map(StabilityFound::MapCurve)),
-        }
+    fn make(&self, index: &usize, bench: &Bench<'_>) -> Result<StabilityFound, Unmade> {
+        let Some((case, way)) = self.lines.get(*index) else {
+            let task = &self.tasks[index - self.lines.len()];
+            return Ok(StabilityFound::MapCurve(task.points(bench)?));
+        };
+        let case = CaseBench {
+            case: &self.cases[*case],
+            bench,
+        };
+        Ok(StabilityFound::Line(Box::new(self.line(&case, way)?)))
     }
 
     fn judge(&self, found: &[Option<StabilityFound>]) -> StabilityTable {
@@ -226,22 +201,17 @@ impl Experiment for Stability {
 
 impl Stability {
     /// The line of a case in one way.
-    fn line(&self, case: &CaseBench<'_>, way: &Way) -> Result<Option<Line>, ExperimentError> {
-        let Some(mut judged) = case.run(way, &[])? else {
-            return Ok(None);
-        };
+    fn line(&self, case: &CaseBench<'_>, way: &Way) -> Result<Line, Unmade> {
+        let mut judged = case.run(way, &[])?;
         let open = matches!(judged.row.status, Some(Status::Limit | Status::Diverged));
         if self.boundaries && !case.case.slow && open {
-            let Some(boundary) = case.boundary(way)? else {
-                return Ok(None);
-            };
-            judged.figures.boundary = boundary;
+            judged.figures.boundary = case.boundary(way)?;
         }
-        Ok(Some(Line {
+        Ok(Line {
             row: judged.row,
             figures: judged.figures,
             ..planned(case.case, way)
-        }))
+        })
     }
 }
 

@@ -3,12 +3,11 @@
 use scene::Coupling;
 use serde::Serialize;
 
-use super::bench::{CaseBench, Tried, Way, both_steps, known, refined};
-use super::cases::Case;
-use super::figures::Judged;
+use super::bench::{CaseBench, Way, both_steps, refined};
+use super::cases::{Case, HardParameter};
 use super::judge::ALGORITHMS;
-use crate::engine::Bench;
 use crate::engine::table::{ENERGY, RAW_ERROR};
+use crate::engine::{Bench, Unmade};
 use cosim::algorithm::stability::spectral_radius;
 use cosim::test_problem::{self, Parameters, Switches, Truth};
 use results::statistics::ForceStatistics;
@@ -20,14 +19,14 @@ const DURATION: f64 = 3.0;
 /// Bounds of the steps that are tried, s.
 const STEPS: (f64, f64) = (5e-5, 2e-2);
 
-/// Bisections of the factor of two that the boundary is found in.
-const BISECTIONS: u32 = 3;
+/// Ratio of a step that is not stable to the longest stable one, –: three bisections of a factor of two.
+const KNOWN_TO: f64 = 1.091;
 
 /// Unit of the macro steps on the line, s: its micro step, so that one reference serves all.
 const UNIT: f64 = 5e-4;
 
 /// Largest macro step on the line in these units.
-const MOST_UNITS: u32 = 40;
+const MOST_UNITS: f64 = 40.0;
 
 /// Resolution and end of the table of growth over `ωh`, –.
 const NUMBERS: (f64, usize) = (0.02, 200);
@@ -151,40 +150,37 @@ fn ratios(from: f64, to: f64, count: usize) -> Vec<f64> {
 }
 
 /// The curves of all maps, `resolution` points each.
-#[must_use]
-pub fn tasks(resolution: usize) -> Vec<Task> {
+pub(super) fn tasks(resolution: usize) -> Vec<Task> {
+    use CurveKind::{ShortLine, TestProblem, Theory};
+    let few = resolution.div_ceil(2);
+    let three = |from: f64, to: f64, on_the_line: f64| {
+        vec![
+            (Theory, ratios(from, to, resolution)),
+            (TestProblem, ratios(from, to, resolution)),
+            (ShortLine, ratios(from, on_the_line, few.min(3))),
+        ]
+    };
     let mut tasks = Vec::new();
     for (map, of) in MAPS.iter().enumerate() {
-        let stiffness = || ratios(1e4, 1e8, resolution);
-        let few = resolution.div_ceil(2);
-        let ranges: Vec<(CurveKind, Vec<f64>)> = match of.axis {
-            MapAxis::Stiffness => vec![
-                (CurveKind::Theory, stiffness()),
-                (CurveKind::TestProblem, stiffness()),
-                (CurveKind::ShortLine, ratios(1e4, 1e6, few.min(3))),
-            ],
-            MapAxis::HeadMass => vec![
-                (CurveKind::Theory, ratios(0.5, 15.0, resolution)),
-                (CurveKind::TestProblem, ratios(0.5, 15.0, resolution)),
-                (CurveKind::ShortLine, ratios(0.5, 15.0, few.min(3))),
-            ],
+        let ranges = match of.axis {
+            MapAxis::Stiffness => three(1e4, 1e8, 1e6),
+            MapAxis::HeadMass => three(0.5, 15.0, 15.0),
             MapAxis::SpeedRatio => {
                 let last = (few.max(2) - 1) as f64;
                 let ratio = |k: usize| 0.15 + 0.8 * k as f64 / last;
-                vec![(CurveKind::ShortLine, (0..few.max(2)).map(ratio).collect())]
+                vec![(ShortLine, (0..few.max(2)).map(ratio).collect())]
             }
-            MapAxis::MicroStep => vec![(CurveKind::ShortLine, ratios(1e4, 1e7, few + 2))],
+            MapAxis::MicroStep => vec![(ShortLine, ratios(1e4, 1e7, few + 2))],
         };
-        for (kind, x) in ranges {
-            let algorithms: &[&str] = if of.axis == MapAxis::MicroStep {
-                &["monolithic"]
-            } else {
-                &ALGORITHMS
-            };
+        let algorithms = match of.axis {
+            MapAxis::MicroStep => &["monolithic"][..],
+            _ => &ALGORITHMS,
+        };
+        for (kind, x) in &ranges {
             tasks.extend(algorithms.iter().map(|&algorithm| Task {
                 map,
                 algorithm,
-                kind,
+                kind: *kind,
                 x: x.clone(),
             }));
         }
@@ -193,8 +189,7 @@ pub fn tasks(resolution: usize) -> Vec<Task> {
 }
 
 /// The maps with the curves that have been found.
-#[must_use]
-pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
+pub(super) fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
     let mut maps = MAPS.to_vec();
     for (task, points) in tasks.iter().zip(points) {
         if let Some(points) = points {
@@ -209,63 +204,42 @@ pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
     maps
 }
 
-/// The longest stable step between [`STEPS`]: doubled from the shortest one until a run is not stable, then bisected; 0
-/// where the shortest one is not.
-fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
-    let (mut good, mut bad) = (0.0, None);
-    let mut step = STEPS.0;
-    loop {
-        if !stable(step) {
-            bad = Some(step);
-            break;
+/// The longest stable step between two bounds: doubled from the first one until a run is not stable, then brought
+/// nearer to that by steps between both as long as there is one; 0 where the first bound is not stable.
+fn longest(
+    (first, last): (f64, f64),
+    between: fn(f64, f64) -> Option<f64>,
+    stable: &mut dyn FnMut(f64) -> Result<bool, Unmade>,
+) -> Result<f64, Unmade> {
+    let (mut good, mut step) = (0.0, first);
+    let mut bad = loop {
+        if !stable(step)? {
+            break step;
         }
         good = step;
-        if step >= STEPS.1 {
-            break;
+        if step >= last {
+            return Ok(good);
         }
-        step = (2.0 * step).min(STEPS.1);
-    }
-    let Some(mut bad) = bad.filter(|_| good > 0.0) else {
-        return good;
+        step = (2.0 * step).min(last);
     };
-    for _ in 0..BISECTIONS {
-        let middle = (good * bad).sqrt();
-        if stable(middle) {
+    while let Some(middle) = between(good, bad).filter(|_| good > 0.0) {
+        if stable(middle)? {
             good = middle;
         } else {
             bad = middle;
         }
     }
-    good
+    Ok(good)
 }
 
-/// Longest stable step in whole units of [`UNIT`].
-fn longest_units(stable: &mut dyn FnMut(u32) -> Tried<bool>) -> Tried<u32> {
-    let (mut good, mut bad) = (0, None);
-    let mut units = 1;
-    loop {
-        if !known!(stable(units)) {
-            bad = Some(units);
-            break;
-        }
-        good = units;
-        if units == MOST_UNITS {
-            break;
-        }
-        units = (2 * units).min(MOST_UNITS);
-    }
-    let Some(mut bad) = bad.filter(|_| good > 0) else {
-        return Ok(Some(good));
-    };
-    while bad - good > 1 + good / 8 {
-        let middle = good.midpoint(bad);
-        if known!(stable(middle)) {
-            good = middle;
-        } else {
-            bad = middle;
-        }
-    }
-    Ok(Some(good))
+/// A step between these, in equal ratios.
+fn in_ratio(good: f64, bad: f64) -> Option<f64> {
+    (bad > KNOWN_TO * good).then(|| (good * bad).sqrt())
+}
+
+/// A whole number between these.
+fn whole(good: f64, bad: f64) -> Option<f64> {
+    (bad - good > 1.0 + (good / 8.0).floor()).then(|| (0.5 * (good + bad)).floor())
 }
 
 /// `[coupling]` of an algorithm with its own defaults.
@@ -277,26 +251,25 @@ pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
 }
 
 impl Task {
-    /// Finds the points; nothing where an end was asked for.
-    pub(super) fn points(&self, bench: &Bench<'_>) -> Tried<Boundary> {
-        let growth = match self.kind {
-            CurveKind::Theory => coupling(self.algorithm).map_or_else(Vec::new, |coupling| growth(&coupling)),
-            _ => Vec::new(),
-        };
+    /// Finds the points.
+    pub(super) fn points(&self, bench: &Bench<'_>) -> Result<Boundary, Unmade> {
+        let theory = coupling(self.algorithm).filter(|_| self.kind == CurveKind::Theory);
+        let growth = theory.map_or_else(Vec::new, |coupling| growth(&coupling));
         let mut points = Vec::new();
         for &x in &self.x {
             let step = match (self.kind, MAPS[self.map].axis) {
                 (CurveKind::Theory, _) => self.by_theory(&growth, x),
                 (CurveKind::TestProblem, axis) => {
                     let of = format!("boundary of the test problem: {} {axis:?} {x:?}", self.algorithm);
-                    known!(bench.value(&of, || self.by_test_problem(x)))
+                    bench.value(&of, || self.by_test_problem(x))?
                 }
-                (CurveKind::ShortLine, MapAxis::MicroStep) => known!(micro_step(x, bench)),
-                (CurveKind::ShortLine, _) => known!(self.on_the_line(x, bench)),
+                (CurveKind::ShortLine, MapAxis::MicroStep) => self.micro_step(x, bench)?,
+                (CurveKind::ShortLine, _) => self.on_the_line(x, bench)?,
             };
             points.push((x, step));
         }
-        Ok((!bench.is_interrupted()).then_some(points))
+        bench.go_on()?;
+        Ok(points)
     }
 
     fn parameters(&self, x: f64) -> Parameters {
@@ -307,6 +280,18 @@ impl Task {
             MapAxis::SpeedRatio | MapAxis::MicroStep => {}
         }
         parameters
+    }
+
+    /// The short line there.
+    fn short_line(&self, x: f64) -> Case {
+        let mut case = Case::plain();
+        case.disturbance.audited = false;
+        case.overrides.extend(match MAPS[self.map].axis {
+            MapAxis::Stiffness | MapAxis::MicroStep => vec![HardParameter::ContactStiffness(x).key()],
+            MapAxis::HeadMass => vec![HardParameter::HeadMass(x).key()],
+            MapAxis::SpeedRatio => at_speed(x),
+        });
+        case
     }
 
     /// Step at which the growth per step of the contact's oscillation exceeds the decay by its damping, s.
@@ -334,59 +319,49 @@ impl Task {
             pantograph: Switches::ALL,
             parameters,
         };
-        longest(&mut |step| {
+        let found = longest(STEPS, in_ratio, &mut |step| {
             let outcome = test_problem::run_against(&truth, &case, step);
-            outcome.stable
-                && outcome.rms_error <= RAW_ERROR / 100.0 * sigma
-                && 100.0 * outcome.energy_share.abs() <= ENERGY
-        })
+            let right = outcome.rms_error <= RAW_ERROR / 100.0 * sigma;
+            Ok(outcome.stable && right && 100.0 * outcome.energy_share.abs() <= ENERGY)
+        });
+        // These runs cannot fail, and are not asked to end.
+        found.unwrap_or(0.0)
     }
 
-    fn on_the_line(&self, x: f64, bench: &Bench<'_>) -> Tried<f64> {
-        let mut case = Case::plain();
-        case.disturbance.audited = false;
-        match MAPS[self.map].axis {
-            MapAxis::Stiffness => case.overrides.push(format!("contact.stiffness={x:?}")),
-            MapAxis::HeadMass => case.overrides.push(format!("pantograph.0.masses=[{x:?},15.0]")),
-            MapAxis::SpeedRatio => case.overrides.extend(at_speed(x)),
-            MapAxis::MicroStep => {}
-        }
-        let keys = |units: u32| {
-            vec![
+    fn on_the_line(&self, x: f64, bench: &Bench<'_>) -> Result<f64, Unmade> {
+        let keys = |units: f64| {
+            [
                 format!("solver.micro_step={UNIT:?}"),
-                format!("coupling.macro_step={:?}", f64::from(units) * UNIT),
+                format!("coupling.macro_step={:?}", units * UNIT),
             ]
         };
-        let case = CaseBench { case: &case, bench };
-        let one = known!(case.make(&Way::ONE, &keys(1), None));
+        let case = &self.short_line(x);
+        let case = CaseBench { case, bench };
+        let one = case.make(&Way::ONE, &keys(1.0), None)?;
         let way = Way {
             mode: Mode::Inprocess,
             algorithm: self.algorithm,
         };
-        let units = known!(longest_units(&mut |units| {
-            let made = case.make(&way, &keys(units), Some(("", &one)))?;
-            Ok(made.map(|made| made.is_stable()))
-        }));
-        Ok(Some(f64::from(units) * UNIT))
+        let units = longest((1.0, MOST_UNITS), whole, &mut |units| {
+            Ok(case.make(&way, &keys(units), Some(("", &one)))?.is_stable())
+        })?;
+        Ok(units * UNIT)
     }
-}
 
-/// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
-fn micro_step(stiffness: f64, bench: &Bench<'_>) -> Tried<f64> {
-    let mut case = Case::plain();
-    case.disturbance.audited = false;
-    case.overrides.push(format!("contact.stiffness={stiffness:?}"));
-    let case = CaseBench { case: &case, bench };
-    let one = |keys: &[String], judge: Option<(&str, &Judged)>| case.make(&Way::ONE, keys, judge);
-    let mut step = 4e-3;
-    while step >= 1e-4 {
-        let finer = known!(one(&refined(step), None));
-        if known!(one(&both_steps(step), Some(("", &finer)))).is_stable() {
-            return Ok(Some(step));
+    /// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
+    fn micro_step(&self, x: f64, bench: &Bench<'_>) -> Result<f64, Unmade> {
+        let case = &self.short_line(x);
+        let case = CaseBench { case, bench };
+        let mut step = 4e-3;
+        while step >= 1e-4 {
+            let finer = case.make(&Way::ONE, &refined(step), None)?;
+            if case.make(&Way::ONE, &both_steps(step), Some(("", &finer)))?.is_stable() {
+                return Ok(step);
+            }
+            step *= std::f64::consts::FRAC_1_SQRT_2;
         }
-        step *= std::f64::consts::FRAC_1_SQRT_2;
+        Ok(0.0)
     }
-    Ok(Some(0.0))
 }
 
 /// The short line at a share `x` of its wave speed, within its length.
@@ -421,21 +396,23 @@ mod tests {
 
     #[test]
     fn the_longest_stable_step_is_found_to_a_tenth_of_a_factor_of_two() {
+        let found = |bounds, between, stable: &dyn Fn(f64) -> bool| {
+            let found = longest(bounds, between, &mut |step| Ok(stable(step)));
+            found.unwrap()
+        };
+        let steps = |stable: &dyn Fn(f64) -> bool| found(STEPS, in_ratio, stable);
+        let units = |stable: &dyn Fn(f64) -> bool| found((1.0, MOST_UNITS), whole, stable);
         for limit in [7.3e-5, 1e-3, 0.0123] {
-            let found = longest(&mut |step| step <= limit);
+            let found = steps(&|step| step <= limit);
             assert!(found <= limit && found > limit / 2.0_f64.powf(0.13), "{limit}: {found}");
         }
-        let units = |stable: &mut dyn FnMut(u32) -> bool| {
-            let found = longest_units(&mut |units| Ok(Some(stable(units))));
-            found.unwrap().unwrap()
-        };
-        assert_eq!(longest(&mut |_| false), 0.0);
-        assert_eq!(longest(&mut |_| true), STEPS.1);
-        assert_eq!(units(&mut |units| units <= 5), 5);
-        let coarse = units(&mut |units| units <= 23);
-        assert!((21..=23).contains(&coarse), "{coarse}");
-        assert_eq!(units(&mut |_| true), MOST_UNITS);
-        assert_eq!(units(&mut |_| false), 0);
+        assert_eq!(steps(&|_| false), 0.0);
+        assert_eq!(steps(&|_| true), STEPS.1);
+        assert_eq!(units(&|units| units <= 5.0), 5.0);
+        let coarse = units(&|units| units <= 23.0);
+        assert!((21.0..=23.0).contains(&coarse), "{coarse}");
+        assert_eq!(units(&|_| true), MOST_UNITS);
+        assert_eq!(units(&|_| false), 0.0);
     }
 
     #[test]

@@ -24,10 +24,8 @@ mod page;
 mod tests;
 mod text;
 
-pub use bench::{Way, refined};
-pub use cases::{Case, Coupled, HardParameter, cases};
-pub use figures::{Figures, Judged};
-pub use judge::{ALGORITHMS, Line, Stability, StabilityFound, StabilityJob, StabilityTable};
-pub use maps::{CurveKind, Map, MapCurve, Task};
-pub use page::page;
-pub use text::text;
+pub use bench::Way;
+pub use cases::{Case, HardParameter, cases};
+pub use figures::Figures;
+pub use judge::{ALGORITHMS, Line, Stability, StabilityFound, StabilityTable};
+pub use maps::{CurveKind, Map, MapCurve};

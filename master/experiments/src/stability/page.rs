@@ -1,25 +1,21 @@
 //! `stability.html`.
 
-use plotly::Scatter;
 use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, MarkerSymbol, Mode as Draw};
-use plotly::layout::HoverMode;
 
 use super::judge::{ALGORITHMS, Line, StabilityTable};
 use super::maps::{CurveKind, Map};
-use super::text::{by_case, heading, ways};
-use crate::engine::export::{
-    PageColumn, cells, count, fixed, grouped, heads, incomplete, number, scrolled, status_rule, status_word, step,
-};
-use crate::engine::table::Status;
-use crate::engine::table::significant;
-use results::report::plots::{COLOURS, axis, decades_of, finished, layout};
-use results::report::{Page, escape, head_cells};
+use super::text::{by_case, counts, ways};
+use crate::engine::export::plot::points;
+use crate::engine::export::{count, fixed, grouped, incomplete, number, run_lines, status_rule, status_word, step};
+use results::report::plots::{axis, colour, curve, decades_of, figure};
+use results::report::{Page, PageColumn, cell, escape, heads, lined, scrolled, spanning};
 
 /// The page of the hard cases.
-#[must_use]
-pub fn page(table: &StabilityTable) -> Page {
+pub(super) fn page(table: &StabilityTable) -> Page {
     let mut page = Page::new("Hard cases");
-    page.lead(&lead(table));
+    let (cases, runs) = (by_case(table).count(), table.lines.len());
+    let lead = format!("<p><b>{cases} cases</b> · {runs} runs: {}</p>\n", counts(table));
+    page.lead(&(lead + &incomplete(table, "")));
     page.section("Status", &overview(table));
     page.section("What is not stable, and why", &reasons(table));
     for (index, map) in table.maps.iter().enumerate() {
@@ -30,52 +26,30 @@ pub fn page(table: &StabilityTable) -> Page {
     page
 }
 
-fn lead(table: &StabilityTable) -> String {
-    let counts: Vec<String> = Status::ALL
-        .iter()
-        .map(|status| format!("{} {}", table.count(*status), status.name()))
-        .collect();
-    let cases = by_case(table).len();
-    let runs = table.lines.len();
-    let mut html = format!("<p><b>{cases} cases</b> · {runs} runs: {}</p>\n", counts.join(", "));
-    html.push_str(&incomplete(table, ""));
-    html
-}
-
 /// A line of cells per case, coloured by status.
 fn overview(table: &StabilityTable) -> String {
     let ways = ways(table);
-    let head: String = ways
-        .iter()
-        .map(|way| format!("<th>{}</th>", escape(&heading(way))))
-        .collect();
-    let mut body = String::new();
-    for lines in by_case(table) {
-        let first = &lines[0];
-        body.push_str(&format!(
-            "<tr><td class=\"name\"><b>{}</b><br><span class=\"soft\">{}</span></td>",
-            escape(&first.case),
-            escape(&first.about)
-        ));
-        for way in &ways {
-            let line = lines
-                .iter()
-                .find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
-            body.push_str(&line.map_or_else(|| "<td></td>".to_owned(), cell));
-        }
-        body.push_str("</tr>\n");
-    }
+    let line = |lines: &[Line]| {
+        let [case, about] = [&lines[0].case, &lines[0].about].map(|text| escape(text));
+        let name = format!("<b>{case}</b><br><span class=\"soft\">{about}</span>");
+        let in_way = |way: &String| match lines.iter().find(|line| line.way() == *way) {
+            Some(line) => status_cell(line),
+            None => cell("", ""),
+        };
+        cell("name", &name) + &ways.iter().map(in_way).collect::<String>()
+    };
+    let head: String = ways.iter().map(|way| format!("<th>{}</th>", escape(way))).collect();
     format!(
         "{}<p class=\"caption\">In the cells: rms error of the filtered force in percent of the reference's standard \
          deviation. Under the pointer: what ran and why.</p>\n",
-        scrolled(&format!("<th>case</th>{head}"), &body)
+        lined(&format!("<th>case</th>{head}"), by_case(table).map(line))
     )
 }
 
-fn cell(line: &Line) -> String {
+fn status_cell(line: &Line) -> String {
     let status = status_word(line.row.status);
-    let error = line.row.filtered_error.and_then(|error| significant(Some(error)));
-    let error = error.map_or_else(String::new, |error| format!("<br>{error} %"));
+    let error = line.row.filtered_error.filter(|error| error.is_finite());
+    let error = error.map_or_else(String::new, |error| format!("<br>{} %", number(Some(error))));
     format!(
         "<td class=\"c {status}\" title=\"{}\">{status}{error}</td>",
         escape(&line.row.reason)
@@ -84,105 +58,81 @@ fn cell(line: &Line) -> String {
 
 /// One line per case and reason.
 fn reasons(table: &StabilityTable) -> String {
-    let mut body = String::new();
+    let mut said = Vec::new();
     for lines in by_case(table) {
         let ended = lines.iter().filter_map(|line| {
-            let status = line.row.status.filter(|status| *status != Status::Stable)?;
+            let status = line.row.trouble()?;
             let mut reason = line.row.reason.clone();
             if !line.figures.boundary.is_empty() {
                 reason.push_str(&format!(" – {}", line.figures.boundary));
             }
-            let way = heading(&(line.row.mode.clone(), line.row.algorithm.clone()));
-            Some(((status.name(), reason), way))
+            Some(((status.name(), reason), line.way()))
         });
-        for ((status, reason), ways) in grouped(ended) {
-            body.push_str(&format!(
-                "<tr><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td><td>{}</td><td \
-                 class=\"remark\">{}</td></tr>\n",
-                escape(&lines[0].case),
-                escape(&ways.join(", ")),
-                escape(&reason)
-            ));
-        }
+        said.extend(grouped(ended).into_iter().map(|((status, reason), ways)| {
+            let (case, ways) = (escape(&lines[0].case), escape(&ways.join(", ")));
+            cell("s", &case) + &cell("c", status) + &cell("", &ways) + &cell("remark", &escape(&reason))
+        }));
     }
-    if body.is_empty() {
+    if said.is_empty() {
         return String::new();
     }
-    scrolled(
+    lined(
         "<th>case</th><th>status</th><th>run</th><th>reason – boundary</th>",
-        &body,
+        said,
     )
 }
 
 fn drawn(map: &Map, index: usize) -> String {
     let mut traces = Vec::new();
-    for curve in &map.curves {
-        let place = ALGORITHMS.iter().position(|name| *name == curve.algorithm).unwrap_or(0);
-        let colour = COLOURS[place % COLOURS.len()];
+    let only_line = map.curves.iter().all(|curve| curve.kind == CurveKind::ShortLine);
+    for found in &map.curves {
+        let place = ALGORITHMS.iter().position(|name| *name == found.algorithm).unwrap_or(0);
+        let colour = colour(place);
         // A logarithmic axis has no place for zero: a step that was not found is left out.
-        let found = || curve.points.iter().filter(|(_, step)| *step > 0.0);
-        let x: Vec<f64> = found().map(|(x, _)| *x).collect();
-        let y: Vec<f64> = found().map(|(_, step)| 1e3 * step).collect();
+        let points = found.points.iter().filter(|(_, step)| *step > 0.0);
+        let (x, y): (Vec<f64>, Vec<f64>) = points.map(|(x, step)| (*x, 1e3 * step)).unzip();
         if x.is_empty() {
             continue;
         }
-        let (what, stroke, mode) = match curve.kind {
-            CurveKind::TestProblem => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
-            CurveKind::Theory => (
-                ", theory",
-                Stroke::new().color(colour).width(1.2).dash(DashType::Dot),
-                Draw::Lines,
-            ),
-            CurveKind::ShortLine if map.curves.iter().any(|other| other.kind != CurveKind::ShortLine) => {
-                (", line", Stroke::new().color(colour).width(0.0), Draw::Markers)
-            }
-            CurveKind::ShortLine => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
+        let (what, width, mode, symbol) = match found.kind {
+            CurveKind::Theory => (", theory", 1.2, Draw::Lines, MarkerSymbol::Circle),
+            CurveKind::ShortLine if !only_line => (", line", 0.0, Draw::Markers, MarkerSymbol::X),
+            _ => ("", 2.0, Draw::LinesMarkers, MarkerSymbol::Circle),
         };
-        let name = format!("{}{what}", curve.algorithm);
-        let said: Vec<String> = found()
-            .map(|(x, step)| format!("{name}: {} → {} ms", number(Some(*x)), number(Some(1e3 * step))))
-            .collect();
-        let symbol = if matches!(mode, Draw::Markers) {
-            MarkerSymbol::X
-        } else {
-            MarkerSymbol::Circle
-        };
+        let mut stroke = Stroke::new().color(colour).width(width);
+        if found.kind == CurveKind::Theory {
+            stroke = stroke.dash(DashType::Dot);
+        }
+        let name = format!("{}{what}", found.algorithm);
+        let said = x.iter().zip(&y);
+        let said = said.map(|(x, step)| format!("{name}: {} → {} ms", number(Some(*x)), number(Some(*step))));
+        let said: Vec<String> = said.collect();
         traces.push(
-            Scatter::new(x, y)
+            curve(x, y, &name, colour, width)
                 .mode(mode)
-                .name(name)
-                .legend_group(curve.algorithm)
-                .show_legend(curve.kind != CurveKind::Theory)
+                .legend_group(found.algorithm)
+                .show_legend(found.kind != CurveKind::Theory)
                 .hover_text_array(said)
                 .hover_info(HoverInfo::Text)
                 .line(stroke)
                 .marker(Marker::new().color(colour).size(7).symbol(symbol)),
         );
     }
-    if traces.is_empty() {
-        return String::new();
-    }
-    let points = || map.curves.iter().flat_map(|curve| &curve.points);
+    let all = || map.curves.iter().flat_map(|curve| &curve.points);
     let x = if map.logarithmic {
-        decades_of(map.x, points().map(|(x, _)| *x))
+        decades_of(map.x, all().map(|(x, _)| *x))
     } else {
         axis(map.x).zero_line(false)
     };
-    let y = decades_of(map.y, points().map(|(_, step)| 1e3 * step));
-    format!(
-        "{}<p class=\"caption\">{}</p>\n",
-        finished(
-            traces,
-            layout(x, y).hover_mode(HoverMode::Closest),
-            &format!("plot-map-{index}"),
-            440
-        ),
-        escape(map.caption)
-    )
+    let y = decades_of(map.y, all().map(|(_, step)| 1e3 * step));
+    let id = format!("plot-map-{index}");
+    figure(traces, points(x, y), (&id, 440), &escape(map.caption))
 }
 
-/// Columns of numbers in the table of all runs.
-const NUMBERS: &[PageColumn<Line>] = &[
+/// Columns of the table of all runs.
+const COLUMNS: &[PageColumn<Line>] = &[
+    ("run", "", "s", |line| escape(&line.way())),
+    ("status", "", "c", |line| status_word(line.row.status).to_owned()),
     ("macro step", "ms", "n", |line| step(line.row.macro_step)),
     ("micro step", "ms", "n", |line| step(line.row.micro_step)),
     ("ω h", "", "n", |line| fixed(line.figures.omega_h, 2)),
@@ -201,34 +151,15 @@ const NUMBERS: &[PageColumn<Line>] = &[
 ];
 
 fn table_of_figures(table: &StabilityTable) -> String {
-    let head = head_cells([("run", "", false), ("status", "", false)]) + &heads(NUMBERS);
-    let mut body = String::new();
-    for lines in by_case(table) {
-        body.push_str(&format!(
-            "<tr><th colspan=\"{}\">{}: {}</th></tr>\n",
-            2 + NUMBERS.len(),
-            escape(&lines[0].case),
-            escape(&lines[0].about)
-        ));
-        for line in lines {
-            body.push_str(&figures(line));
-        }
-    }
+    let of_case = |lines: &[Line]| {
+        let [case, about] = [&lines[0].case, &lines[0].about].map(|text| escape(text));
+        spanning(COLUMNS, &format!("{case}: {about}")) + &run_lines(COLUMNS, lines, |line| &line.row)
+    };
+    let body: String = by_case(table).map(of_case).collect();
     format!(
         "<details><summary>All runs</summary>{}</details>\n<p class=\"caption\">All columns are in \
          stability.csv.</p>\n",
-        scrolled(&head, &body)
-    )
-}
-
-fn figures(line: &Line) -> String {
-    let row = &line.row;
-    let status = status_word(row.status);
-    let cells = cells(NUMBERS, line);
-    format!(
-        "<tr title=\"{}\"><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td>{cells}</tr>\n",
-        escape(&row.reason),
-        escape(&heading(&(row.mode.clone(), row.algorithm.clone())))
+        scrolled(&heads(COLUMNS), &body)
     )
 }
 

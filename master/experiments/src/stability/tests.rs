@@ -1,6 +1,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::figures::Judged;
 use super::*;
 use crate::engine::Table as _;
 use crate::engine::table::Status;

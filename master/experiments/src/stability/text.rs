@@ -2,15 +2,26 @@
 
 use super::judge::{Line, StabilityTable};
 use crate::engine::export::{status_word, wrapped};
-use crate::engine::table::Status;
-use crate::engine::table::significant;
+use crate::engine::table::{Status, significant};
 use results::report::aligned;
+use simulation::Mode;
+
+impl Line {
+    /// Way of running the case, in the head of a column.
+    pub(super) fn way(&self) -> String {
+        let (mode, algorithm) = self.row.method();
+        match mode {
+            mode if mode == Mode::Monolithic.name() => "one system".to_owned(),
+            mode if mode == Mode::Cosimulation.name() => format!("{algorithm}, FMUs"),
+            _ => algorithm.to_owned(),
+        }
+    }
+}
 
 /// The ways of running a case, in the order of the columns.
-pub(super) fn ways(table: &StabilityTable) -> Vec<(String, String)> {
-    let mut ways: Vec<(String, String)> = Vec::new();
-    for line in &table.lines {
-        let way = (line.row.mode.clone(), line.row.algorithm.clone());
+pub(super) fn ways(table: &StabilityTable) -> Vec<String> {
+    let mut ways = Vec::new();
+    for way in table.lines.iter().map(Line::way) {
         if !ways.contains(&way) {
             ways.push(way);
         }
@@ -19,66 +30,49 @@ pub(super) fn ways(table: &StabilityTable) -> Vec<(String, String)> {
 }
 
 /// Lines of one case, which follow one another.
-pub(super) fn by_case(table: &StabilityTable) -> Vec<&[Line]> {
-    table.lines.chunk_by(|a, b| a.case == b.case).collect()
+pub(super) fn by_case(table: &StabilityTable) -> impl Iterator<Item = &[Line]> {
+    table.lines.chunk_by(|a, b| a.case == b.case)
 }
 
-/// Name of a way in the head of a column.
-pub(super) fn heading((mode, algorithm): &(String, String)) -> String {
-    match (mode.as_str(), algorithm.as_str()) {
-        ("monolithic", _) => "one system".to_owned(),
-        ("cosimulation", algorithm) => format!("{algorithm}, FMUs"),
-        (_, algorithm) => algorithm.to_owned(),
-    }
+/// Number of runs with each status, in words.
+pub(super) fn counts(table: &StabilityTable) -> String {
+    let of = |status: &Status| {
+        table
+            .lines
+            .iter()
+            .filter(|line| line.row.status == Some(*status))
+            .count()
+    };
+    let counts = Status::ALL
+        .iter()
+        .map(|status| format!("{} {}", of(status), status.name()));
+    counts.collect::<Vec<_>>().join(", ")
 }
 
 /// The table of the hard cases.
-#[must_use]
-pub fn text(table: &StabilityTable) -> String {
-    let counts: Vec<String> = Status::ALL
-        .iter()
-        .map(|status| format!("{} {}", table.count(*status), status.name()))
-        .collect();
-    let mut text = format!("{} runs: {}\n\n", table.lines.len(), counts.join(", "));
+pub(super) fn text(table: &StabilityTable) -> String {
     let ways = ways(table);
-    let mut rows = vec![
-        std::iter::once(String::new())
-            .chain(
-                ways.iter()
-                    .map(|way| heading(way).replace("interface_jacobian", "jacobian")),
-            )
-            .collect::<Vec<String>>(),
-    ];
-    for lines in by_case(table) {
-        let mut cells = vec![lines[0].case.clone()];
-        for way in &ways {
-            let line = lines
-                .iter()
-                .find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
-            cells.push(line.map_or_else(String::new, |line| status_word(line.row.status).to_owned()));
-        }
-        rows.push(cells);
-    }
-    text.push_str(&aligned(&rows));
-    text.push('\n');
-    for line in &table.lines {
-        if matches!(
-            line.row.status,
-            Some(Status::Limit | Status::Diverged | Status::Refused)
-        ) {
-            let boundary = if line.figures.boundary.is_empty() {
-                String::new()
-            } else {
-                format!("; {}", line.figures.boundary)
-            };
-            let added = line.figures.energy_growth.and_then(|growth| significant(Some(growth)));
-            let added = added.map_or_else(String::new, |growth| format!(" ({growth} W)"));
-            let way = heading(&(line.row.mode.clone(), line.row.algorithm.clone()));
-            text.push_str(&wrapped(&format!(
-                "{}, {way}: {}{added}{boundary}",
-                line.case, line.row.reason
-            )));
-        }
+    let head = ways.iter().map(|way| way.replace("interface_jacobian", "jacobian"));
+    let mut rows: Vec<Vec<String>> = vec![std::iter::once(String::new()).chain(head).collect()];
+    rows.extend(by_case(table).map(|lines| {
+        let status = |way: &String| {
+            let line = lines.iter().find(|line| line.way() == *way);
+            line.map_or("", |line| status_word(line.row.status)).to_owned()
+        };
+        std::iter::once(lines[0].case.clone())
+            .chain(ways.iter().map(status))
+            .collect()
+    }));
+    let mut text = format!("{} runs: {}\n\n{}\n", table.lines.len(), counts(table), aligned(&rows));
+    for line in table.lines.iter().filter(|line| line.row.trouble().is_some()) {
+        let boundary = match line.figures.boundary.as_str() {
+            "" => String::new(),
+            boundary => format!("; {boundary}"),
+        };
+        let added = significant(line.figures.energy_growth);
+        let added = added.map_or_else(String::new, |growth| format!(" ({growth} W)"));
+        let (case, way, reason) = (&line.case, line.way(), &line.row.reason);
+        text.push_str(&wrapped(&format!("{case}, {way}: {reason}{added}{boundary}")));
     }
     text
 }

@@ -1,21 +1,20 @@
 //! From runs to the results of a study: rows judged by their references, orders, front, recommendations.
 
 use super::identity::settings;
-use super::judge::{Script, State};
+use super::judge::{Known, Script, State};
 use super::options::Sweep;
 use super::order::{Order, order};
 use super::outcome::{Entry, Levels, Reference, Study, label};
 use super::pareto::{pareto, recommendations};
 use super::plan::StudyRun;
 use super::reference::{Refinement, best};
-use super::run_spec::{Class, Exchange, Family, Mesh};
+use super::run_spec::{Exchange, Family};
 use crate::engine::export::grouped;
 use crate::engine::table::{Errors, ForceCurve, RunRow, Status, milliseconds};
 use simulation::Mode;
 
 /// The study as far as it is known.
-#[must_use]
-pub fn assemble(script: &Script, state: &State) -> Study {
+pub(super) fn assemble(script: &Script, state: &State) -> Study {
     let subject = &script.subject;
     let mut study = Study {
         scene: subject.name.clone(),
@@ -34,24 +33,23 @@ pub fn assemble(script: &Script, state: &State) -> Study {
             study.references.extend(reference(script, state, family));
         }
     }
-    let nonlinear = forces(state, study.reference(Family::Nonlinear).and_then(|found| found.row));
-    for reference in &mut study.references {
-        if reference.family != Family::Nonlinear {
-            let own = forces(state, reference.row);
-            reference.distance_from_nonlinear_percent = nonlinear
-                .zip(own)
-                .and_then(|(nonlinear, own)| Errors::between(nonlinear, own).filtered);
-        }
+    let nonlinear = forces(state, &study, Family::Nonlinear);
+    let distance = |reference: &Reference| {
+        let own = forces(state, &study, reference.family).filter(|_| reference.family != Family::Nonlinear)?;
+        Errors::between(nonlinear?, own).filtered
+    };
+    let distances: Vec<Option<f64>> = study.references.iter().map(distance).collect();
+    for (reference, distance) in study.references.iter_mut().zip(distances) {
+        reference.distance_from_nonlinear_percent = distance;
     }
-    study.rows = (0..state.runs.len())
-        .map(|index| entry(script, state, &study, index))
-        .collect();
+    let rows = 0..state.runs.len();
+    study.rows = rows.map(|index| entry(script, state, &study, index)).collect();
     // What stands on another vehicle is no choice of mesh, steps and reductions.
     let apart = RunRow::default();
     let competes = |entry: &Entry| entry.sweep != Sweep::Vehicle.name();
-    let rows: Vec<&RunRow> = (study.rows.iter())
-        .map(|entry| if competes(entry) { &entry.row } else { &apart })
-        .collect();
+    let rows = study.rows.iter();
+    let rows = rows.map(|entry| if competes(entry) { &entry.row } else { &apart });
+    let rows: Vec<&RunRow> = rows.collect();
     let front = pareto(&rows);
     let advice = |index: usize| study.advice(&study.rows[index]);
     let chosen = recommendations(&rows, advice, |class, target| study.caveat(class.family, target));
@@ -80,10 +78,9 @@ pub fn assemble(script: &Script, state: &State) -> Study {
     study
 }
 
-/// Contact forces of a run.
-fn forces(state: &State, index: Option<usize>) -> Option<&[ForceCurve]> {
-    let made = state.made[index?].as_ref()?;
-    (!made.curves.is_empty()).then_some(&*made.curves)
+/// Contact forces of the reference of a family.
+fn forces<'a>(state: &'a State, study: &Study, family: Family) -> Option<&'a [ForceCurve]> {
+    state.runs[study.reference(family)?.row?].forces()
 }
 
 /// The reference of a family; nothing where none of its levels ran.
@@ -97,17 +94,12 @@ fn reference(script: &Script, state: &State, family: Family) -> Option<Reference
         Errors::between(&own.curves, &finest(other)?.curves).filtered
     });
     let level = chosen.and_then(|found| found.levels.last());
-    let name = level.map_or_else(String::new, |level| {
-        format!(
-            "{}: {}",
-            family.name(),
-            label(&level.made.row, script.subject.intervals)
-        )
-    });
+    let name = level.map(|level| label(&level.made.row, script.subject.intervals));
+    let name = name.map_or_else(String::new, |name| format!("{}: {name}", family.name()));
     Some(Reference {
         family,
         name,
-        row: level.and_then(|level| state.runs.iter().position(|run| run.same(&level.planned))),
+        row: level.and_then(|level| state.place(|run| run.same(&level.planned))),
         std: level.and_then(|level| level.made.row.std),
         uncertainty_percent: chosen.and_then(Refinement::uncertainty),
         converged: chosen.is_some_and(|found| found.converged),
@@ -132,62 +124,49 @@ fn levels(found: &Refinement) -> Levels {
 
 /// The row of a run, judged where its reference is known.
 fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
-    let planned = &state.runs[index];
-    let growth = planned.sweeps.contains(&Sweep::Spans);
-    let stage_row = || planned_row(script, planned);
-    let made = state.made[index].as_ref();
+    let Known {
+        run: planned,
+        made,
+        times,
+    } = &state.runs[index];
     let family = planned.class().family;
-    let reference = study.reference(family).filter(|_| !growth);
-    let vehicles = planned.is_for_vehicle().then(|| judge(script, state, planned));
-    // A row has no status before it can be judged.
-    let known = match vehicles {
-        Some(judge) => judge.is_some_and(|at| state.made[at].is_some()),
-        None => growth || study.references.iter().any(|found| found.family == family),
-    };
+    let made = made.as_deref();
     let mut distance = None;
-    let mut row = match made {
-        Some(made) if made.row.status == Some(Status::Refused) => asked_for(script, planned, made.row.clone()),
-        Some(made) if known => {
-            let (at, name) = match vehicles {
-                Some(judge) => (
-                    judge,
-                    judge.map_or_else(String::new, |at| vehicle_label(script, &state.runs[at])),
-                ),
-                None => reference.map_or_else(Default::default, |found| (found.row, found.name.clone())),
-            };
-            let against = at.filter(|at| *at != index).and_then(|at| {
-                let truth = state.made[at].as_ref()?;
-                Some((name.as_str(), &truth.row, forces(state, Some(at))?))
-            });
+    let mut row = match (made, judge(script, state, study, planned)) {
+        (Some(made), _) if made.row.status == Some(Status::Refused) => RunRow {
+            status: made.row.status,
+            reason: made.row.reason.clone(),
+            ..planned.row.clone()
+        },
+        (Some(made), Some((at, name))) => {
             if family != Family::Nonlinear {
-                let nonlinear = study
-                    .reference(Family::Nonlinear)
-                    .and_then(|found| forces(state, found.row));
+                let nonlinear = forces(state, study, Family::Nonlinear);
                 distance = nonlinear.and_then(|nonlinear| Errors::between(nonlinear, &made.curves).filtered);
             }
-            made.judged(against)
+            let truth = at.filter(|at| *at != index).map(|at| &state.runs[at]);
+            let row = truth.and_then(|truth| Some(&truth.made.as_ref()?.row));
+            let forces = truth.and_then(Known::forces);
+            made.judged(row.zip(forces).map(|(row, forces)| (name.as_str(), row, forces)))
         }
-        _ => stage_row(),
+        // A row has no status before it can be judged.
+        _ => planned.row.clone(),
     };
     if made.is_some_and(|made| !made.complete) {
-        row.wall = None;
-        row.real_time_factor = None;
-        row.repeats = None;
+        (row.wall, row.real_time_factor, row.repeats) = (None, None, None);
     }
-    let times = state.times[index].as_ref();
+    let times = times.as_ref();
     match times.filter(|times| !times.walls.is_empty()) {
-        Some(times) => row.timed(&mut times.walls.clone()),
+        Some(times) => row.timed(&times.walls),
         None if row.wall.is_some() => row.remark("timed once, beside other runs"),
         None => {}
     }
+    let sweeps: Vec<&str> = planned.sweeps.iter().map(|sweep| sweep.name()).collect();
+    let coupled = planned.variant.mode != Mode::Monolithic;
+    let settings = planned.scene.as_deref().map(|scene| settings(scene, coupled));
+    let subject = &script.subject;
     Entry {
         row,
-        sweep: planned
-            .sweeps
-            .iter()
-            .map(|sweep| sweep.name())
-            .collect::<Vec<_>>()
-            .join("+"),
+        sweep: sweeps.join("+"),
         pareto: false,
         rho_inf: planned.spec.rho_inf,
         newton_tolerance: planned.spec.newton_tolerance,
@@ -195,80 +174,34 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
         setup_s: made.filter(|made| made.complete).map(|made| made.setup),
         spans: planned.spec.spans.map(|spans| spans as u64),
         working_memory_bytes: times.and_then(|times| times.memory),
-        settings: planned.scene.as_deref().map_or_else(String::new, |scene| {
-            settings(scene, planned.variant.mode != Mode::Monolithic)
-        }),
-        vehicle_variant: (!script.subject.vehicle_variants.is_empty())
-            .then(|| script.subject.vehicle_of(&planned.spec)),
+        settings: settings.unwrap_or_default(),
+        vehicle_variant: (!subject.vehicle_variants.is_empty()).then(|| subject.vehicle_of(&planned.spec)),
     }
 }
 
-/// The run that judges what else the pantograph may stand on, on the same track: the first that is planned for it,
-/// whether it is there for that alone or is the base case.
-fn judge(script: &Script, state: &State, planned: &StudyRun) -> Option<usize> {
+/// The place and the name of the run that judges another, no place where that one is judged by itself; nothing as long
+/// as it is not known.
+///
+/// Another vehicle below the pantograph is judged by the first that is planned for its track, whether that is there for
+/// the vehicle alone or is the base case.
+fn judge(script: &Script, state: &State, study: &Study, planned: &StudyRun) -> Option<(Option<usize>, String)> {
+    if planned.is_growth() {
+        return Some((None, String::new()));
+    }
+    if !planned.is_for_vehicle() {
+        let reference = study.reference(planned.class().family)?;
+        return Some((reference.row, reference.name.clone()));
+    }
     let subject = &script.subject;
-    let own = subject.vehicle_of(&planned.spec);
-    let first = (subject.vehicle_variants.iter()).find(|vehicle_variant| vehicle_variant.name.track == own.track)?;
-    state
-        .runs
+    let track = subject.vehicle_of(&planned.spec).track;
+    let name = subject
+        .vehicle_variants
         .iter()
-        .position(|run| run.sweeps.contains(&Sweep::Vehicle) && subject.vehicle_of(&run.spec) == first.name)
-}
-
-/// Name of a run that judges others.
-fn vehicle_label(script: &Script, planned: &StudyRun) -> String {
-    let name = script.subject.vehicle_of(&planned.spec);
-    format!("vehicle {}, track {}", name.vehicle, name.track)
-}
-
-/// A refused row with what was asked for, where its scene could not be read.
-fn asked_for(script: &Script, planned: &StudyRun, mut row: RunRow) -> RunRow {
-    let spec = &planned.spec;
-    if planned.scene.is_some() {
-        return row;
-    }
-    if let (Mesh::Of { division, corrections }, Some((line, _))) = (&spec.mesh, script.subject.scene.modelled_line()) {
-        row.divide(line, *division);
-        row.mesh = if corrections.is_empty() {
-            "plain".to_owned()
-        } else {
-            corrections.join("+")
-        };
-    }
-    row.micro_step = Some(spec.micro_step);
-    row.reduction = if spec.reductions.is_empty() {
-        "none".to_owned()
-    } else {
-        spec.reductions.join("+")
-    };
-    if let Exchange::Of {
-        extrapolation,
-        macro_step,
-        ..
-    } = &spec.exchange
-    {
-        row.macro_step = Some(*macro_step);
-        row.extrapolation = extrapolation.map(|degree| degree as u64);
-    }
-    row
-}
-
-/// Row of a run before it is made.
-fn planned_row(script: &Script, planned: &StudyRun) -> RunRow {
-    let subject = &script.subject;
-    let variant = &planned.variant;
-    match system::load(subject.text_of(&planned.spec), &subject.name, &variant.overrides) {
-        Ok(scene) => RunRow::planned(&subject.name, &scene, variant.mode, &variant.algorithm),
-        Err(_) => {
-            let row = RunRow {
-                scene: subject.name.clone(),
-                mode: variant.mode.name().to_owned(),
-                algorithm: variant.algorithm.clone(),
-                ..RunRow::default()
-            };
-            asked_for(script, planned, row)
-        }
-    }
+        .map(|variant| variant.name)
+        .find(|name| name.track == track)?;
+    let first = |run: &StudyRun| run.sweeps.contains(&Sweep::Vehicle) && subject.vehicle_of(&run.spec) == name;
+    let at = state.place(first).filter(|at| state.runs[*at].made.is_some())?;
+    Some((Some(at), format!("vehicle {}, track {track}", name.vehicle)))
 }
 
 /// Settings that stay the same in a sweep of mesh or micro step.
@@ -286,42 +219,41 @@ fn label_without(row: &RunRow, sweep: &str) -> String {
 fn orders(state: &State) -> Vec<Order> {
     // Runs that differ in one size only: the sweep, what stays the same; size, size as shown and place of each.
     let mut sized = Vec::new();
-    for (index, run) in state.runs.iter().enumerate() {
-        let made = state.made[index].as_ref();
-        let Some(made) = made.filter(|made| made.complete && !made.curves.is_empty()) else {
+    for (index, Known { run, made, .. }) in state.runs.iter().enumerate() {
+        let made = made.as_ref().filter(|made| made.complete && !made.curves.is_empty());
+        // A mesh that is the scene's own is one like any other.
+        let Some(made) = made.filter(|_| run.spec.exchange == Exchange::None) else {
             continue;
         };
-        // A mesh that is the scene's own is one like any other.
-        let alone = run.spec.exchange == Exchange::None;
-        for (sweep, kind) in [("mesh", Sweep::Mesh), ("micro_step", Sweep::MicroStep)] {
-            if !run.sweeps.contains(&kind) || !alone {
-                continue;
+        let row = &made.row;
+        let elements = row.elements_per_span.map(|count| count as f64);
+        for (sweep, kind, size, shown) in [
+            ("mesh", Sweep::Mesh, elements.map(f64::recip), elements),
+            ("micro_step", Sweep::MicroStep, row.micro_step, row.micro_step),
+        ] {
+            if let (true, Some(size), Some(shown)) = (run.sweeps.contains(&kind), size, shown) {
+                sized.push(((sweep, label_without(row, sweep)), (size, shown, index)));
             }
-            let row = &made.row;
-            let (size, shown) = match (sweep, row.elements_per_span, row.micro_step) {
-                ("mesh", Some(count), _) => (1.0 / count as f64, count as f64),
-                ("micro_step", _, Some(step)) => (step, step),
-                _ => continue,
-            };
-            sized.push(((sweep, label_without(row, sweep)), (size, shown, index)));
         }
     }
+    let between = |coarse: usize, fine: usize| {
+        let (coarse, fine) = (state.runs[coarse].forces()?, state.runs[fine].forces()?);
+        Errors::between(fine, coarse).filtered
+    };
     let mut all = Vec::new();
     for ((sweep, of), mut runs) in grouped(sized) {
         runs.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for three in runs.windows(3) {
-            let between = |coarse: usize, fine: usize| {
-                let (coarse, fine) = (forces(state, Some(coarse))?, forces(state, Some(fine))?);
-                Errors::between(fine, coarse).filtered
+        for [first, second, third] in runs.array_windows() {
+            let differences = between(first.2, second.2).zip(between(second.2, third.2));
+            let Some(differences) = differences.map(<[f64; 2]>::from) else {
+                continue;
             };
-            let differences = between(three[0].2, three[1].2).zip(between(three[1].2, three[2].2));
-            let Some((first, second)) = differences else { continue };
             all.push(Order {
                 sweep,
                 of: of.clone(),
-                sizes: [three[0].1, three[1].1, three[2].1],
-                differences: [first, second],
-                order: order([three[0].0, three[1].0, three[2].0], [first, second]),
+                sizes: [first.1, second.1, third.1],
+                differences,
+                order: order([first.0, second.0, third.0], differences),
             });
         }
     }
@@ -329,39 +261,40 @@ fn orders(state: &State) -> Vec<Order> {
 }
 
 fn notes(study: &Study) -> Vec<String> {
-    let mut notes = Vec::new();
-    for reference in &study.references {
+    let of_reference = |reference: &Reference| {
         let family = reference.family.name();
+        let refinements = reference.refinements.iter();
         let Some(uncertainty) = reference.uncertainty_percent else {
-            let mut why: Vec<&str> = reference.refinements.iter().map(|found| found.ended.as_str()).collect();
+            let mut why: Vec<&str> = refinements.map(|found| found.ended.as_str()).collect();
             why.dedup();
-            notes.push(format!(
-                "{family}: nothing is known of the reference's own error: {}",
-                why.join("; ")
+            let why = why.join("; ");
+            return Some(format!(
+                "{family}: nothing is known of the reference's own error: {why}"
             ));
-            continue;
         };
-        if !reference.converged {
-            let why: Vec<String> = reference
-                .refinements
-                .iter()
-                .map(|found| format!("{}: {}", found.discretisation.name(), found.ended))
-                .collect();
-            notes.push(format!(
-                "{family}: the reference has not converged, its last two levels differ by {uncertainty:.2} % of σ \
-                 ({}); errors below that mean nothing",
-                why.join("; ")
-            ));
-        }
-    }
-    let classes: Vec<Class> = study.rows.iter().map(|entry| Class::of(&entry.row.reduction)).collect();
-    if let Some(found) = study.reference(Family::Linearised)
-        && classes.iter().any(|class| class.family == Family::Linearised)
-        && let Some(distance) = found.distance_from_nonlinear_percent
-    {
-        notes.push(format!(
-            "the converged linearised line differs from the converged nonlinear one by {distance:.2} % of σ"
-        ));
-    }
-    notes
+        let why = refinements.map(|found| format!("{}: {}", found.discretisation.name(), found.ended));
+        let why = why.collect::<Vec<_>>().join("; ");
+        let note = format!(
+            "{family}: the reference has not converged, its last two levels differ by {uncertainty:.2} % of σ ({why}); \
+             errors below that mean nothing"
+        );
+        (!reference.converged).then_some(note)
+    };
+    let linearised = study.reference(Family::Linearised);
+    let has_runs = study
+        .rows
+        .iter()
+        .any(|entry| Family::of(&entry.row.reduction) == Family::Linearised);
+    let distance = linearised
+        .filter(|_| has_runs)
+        .and_then(|found| found.distance_from_nonlinear_percent);
+    let distance = distance.map(|distance| {
+        format!("the converged linearised line differs from the converged nonlinear one by {distance:.2} % of σ")
+    });
+    study
+        .references
+        .iter()
+        .filter_map(of_reference)
+        .chain(distance)
+        .collect()
 }

@@ -27,8 +27,7 @@ fn hash(bytes: &[u8]) -> String {
 /// Hash of a scene without the keys that a run changes or [`settings`] holds, without its texts, and without what it
 /// leaves to be found: start, duration. Files that it names, supplied FMUs and tables, count by their bytes, wherever
 /// they are; paths are relative to `base`. Runs of scenes with the same hash can be compared.
-#[must_use]
-pub fn identity(scene: &Scene, base: &Path) -> String {
+pub(super) fn identity(scene: &Scene, base: &Path) -> String {
     const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
     const KEYS: [(&str, &str); 5] = [
         ("", "title"),
@@ -48,8 +47,7 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
 /// Hash of those keys of mesh and solver, and of the coupling where the sides are coupled, that change the result and
 /// that no run specification says; of a scene as text with every default written out. Runs of one specification have
 /// the same error where this hash is the same.
-#[must_use]
-pub fn settings(text: &str, coupled: bool) -> String {
+pub(super) fn settings(text: &str, coupled: bool) -> String {
     let held = |&(table, key, line): &(&str, &str, &str)| match table {
         "[catenary.mesh]" => !["elements_per_interval", "element_length", "corrections"].contains(&key),
         "[solver]" => !["micro_step", "rho_inf", "newton_tolerance"].contains(&key),

@@ -1,5 +1,6 @@
 //! The plan of a study carried out: errors in parallel, times one at a time, nothing twice.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,9 +13,8 @@ use super::outcome::Study;
 use super::plan::{StudyRun, plan};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
 use super::run_spec::{Family, Subject};
-use crate::engine::{
-    Attempt, Bench, Experiment, ExperimentError, Machine, Planned, Run, Stage, Store, Timed, Times, Timing, settled,
-};
+use crate::engine::table::ForceCurve;
+use crate::engine::{Attempt, Bench, Experiment, Machine, Planned, Run, Stage, Store, Times, Unmade, settled};
 use results::ResultsError;
 use simulation::sliding_joint;
 use simulation::{SetupError, prepare};
@@ -61,16 +61,12 @@ pub fn script(
     let identity = identity(&scene, base);
     let subject = Subject::of(scene, &prepared, overrides, options.sweeps_over(Sweep::Vehicle));
     let planned = plan(&subject, &options);
-    let mut families: Vec<Family> = planned
-        .iter()
-        .filter(|run| run.scene.is_some() && run.sweeps.iter().any(|sweep| sweep.is_judged_by_reference()))
-        .map(|run| run.class().family)
-        .collect();
+    let judged = |run: &&StudyRun| run.scene.is_some() && run.sweeps.iter().any(|sweep| sweep.is_judged_by_reference());
+    let families = planned.iter().filter(judged).map(|run| run.class().family);
+    let mut families: BTreeSet<Family> = families.collect();
     if !families.is_empty() {
-        families.push(Family::Nonlinear);
+        families.insert(Family::Nonlinear);
     }
-    families.sort();
-    families.dedup();
     Ok(Script {
         refinements: wanted(&subject, &families),
         subject,
@@ -129,14 +125,16 @@ impl Script {
 
     /// Everything that is known, from the outcomes of the jobs.
     fn state(&self, found: &[Option<StudyFound>]) -> State {
-        let mut state = State::new(&self.planned);
+        let mut state = State {
+            runs: self.planned.iter().cloned().map(Known::of).collect(),
+            refinements: Vec::new(),
+        };
         for found in found.iter().flatten() {
             match found {
                 StudyFound::Refined(found) => state.take(found.clone(), self.planned.len()),
-                StudyFound::Ran(index, made) => state.made[*index] = Some(Arc::clone(made)),
-                StudyFound::Timed(index, timed) => {
-                    state.made[*index] = Some(Arc::clone(&timed.made));
-                    state.times[*index] = Some(timed.times.clone());
+                StudyFound::Ran(index, made, times) => {
+                    state.runs[*index].made = Some(Arc::clone(made));
+                    state.runs[*index].times.clone_from(times);
                 }
             }
         }
@@ -154,29 +152,40 @@ impl Script {
     }
 }
 
+/// A run, and what is known of it so far.
+#[derive(Debug)]
+pub struct Known {
+    /// The run.
+    pub run: StudyRun,
+    /// How it went the first time.
+    pub made: Option<Arc<Attempt>>,
+    /// Its wall times.
+    pub times: Option<Times>,
+}
+
+impl Known {
+    fn of(run: StudyRun) -> Self {
+        let (made, times) = (None, None);
+        Self { run, made, times }
+    }
+
+    /// Its contact forces.
+    pub(super) fn forces(&self) -> Option<&[ForceCurve]> {
+        let made = self.made.as_ref()?;
+        (!made.curves.is_empty()).then_some(&made.curves)
+    }
+}
+
 /// Everything that is known so far.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct State {
     /// Every run: those of the plan, then levels of references that are not among them.
-    pub runs: Vec<StudyRun>,
-    /// Their first runs.
-    pub made: Vec<Option<Arc<Attempt>>>,
-    /// Their wall times.
-    pub times: Vec<Option<Times>>,
+    pub runs: Vec<Known>,
     /// References.
     pub refinements: Vec<Refinement>,
 }
 
 impl State {
-    fn new(planned: &[StudyRun]) -> Self {
-        Self {
-            runs: planned.to_vec(),
-            made: vec![None; planned.len()],
-            times: vec![None; planned.len()],
-            refinements: Vec::new(),
-        }
-    }
-
     /// Takes in a reference: its levels become runs, behind the `planned` ones in the order of the references,
     /// whichever is done first.
     fn take(&mut self, found: Refinement, planned: usize) {
@@ -184,23 +193,20 @@ impl State {
         self.refinements
             .sort_by_key(|found| (found.family, found.discretisation));
         self.runs.truncate(planned);
-        self.made.truncate(planned);
-        self.times.truncate(planned);
         for level in self.refinements.iter().flat_map(|found| &found.levels) {
-            match self.runs.iter().position(|run| run.same(&level.planned)) {
-                Some(index) => {
-                    if !self.runs[index].sweeps.contains(&Sweep::Reference) {
-                        self.runs[index].sweeps.push(Sweep::Reference);
-                    }
-                    self.made[index] = Some(Arc::clone(&level.made));
-                }
-                None => {
-                    self.runs.push(level.planned.clone());
-                    self.made.push(Some(Arc::clone(&level.made)));
-                    self.times.push(None);
-                }
+            let known = self.runs.iter().position(|known| known.run.same(&level.planned));
+            let index = known.unwrap_or(self.runs.len());
+            if known.is_none() {
+                self.runs.push(Known::of(level.planned.clone()));
             }
+            self.runs[index].run.join(Sweep::Reference);
+            self.runs[index].made = Some(Arc::clone(&level.made));
         }
+    }
+
+    /// The place of a run.
+    pub(super) fn place(&self, is: impl Fn(&StudyRun) -> bool) -> Option<usize> {
+        self.runs.iter().position(|known| is(&known.run))
     }
 }
 
@@ -220,10 +226,8 @@ pub enum StudyJob {
 pub enum StudyFound {
     /// Levels of a reference.
     Refined(Refinement),
-    /// A run of the plan.
-    Ran(usize, Arc<Attempt>),
-    /// A run with its times.
-    Timed(usize, Timed),
+    /// A run of the plan or a level of a reference, and its times where it was timed.
+    Ran(usize, Arc<Attempt>, Option<Times>),
 }
 
 impl Experiment for Script {
@@ -232,50 +236,38 @@ impl Experiment for Script {
     type Table = Study;
 
     fn plan(&self) -> Vec<Planned<StudyJob>> {
-        let beside = |job, work| Planned {
-            job,
-            work,
-            timing: Timing::Beside,
+        let refine = |&(family, mesh): &(Family, Discretisation)| {
+            Planned::beside(StudyJob::Refine(family, mesh), self.work(family, mesh))
         };
-        let references = self.refinements.iter();
-        let references =
-            references.map(|&(family, mesh)| beside(StudyJob::Refine(family, mesh), self.work(family, mesh)));
         let runs = self.planned.iter().enumerate().filter(|(_, run)| !run.is_growth());
-        references
-            .chain(runs.map(|(index, run)| beside(StudyJob::Run(index), run.work)))
-            .collect()
+        let runs = runs.map(|(index, run)| Planned::beside(StudyJob::Run(index), run.work));
+        self.refinements.iter().map(refine).chain(runs).collect()
     }
 
     fn further(&self, found: &[Option<StudyFound>]) -> Vec<Planned<StudyJob>> {
-        let state = self.state(found);
-        let wanted = |(index, run): (usize, &StudyRun)| {
-            let complete = state.made[index].as_ref().is_some_and(|made| made.complete);
-            (run.is_growth() || (complete && run.work <= TIMED)).then(|| Planned {
-                job: StudyJob::Time(index, Box::new(run.clone())),
-                work: self.timing(run),
-                timing: Timing::Alone,
-            })
+        let timed = |(index, Known { run, made, .. }): (usize, &Known)| {
+            let complete = made.as_ref().is_some_and(|made| made.complete);
+            let job = || StudyJob::Time(index, Box::new(run.clone()));
+            (run.is_growth() || (complete && run.work <= TIMED)).then(|| Planned::alone(job(), self.timing(run)))
         };
-        state.runs.iter().enumerate().filter_map(wanted).collect()
+        self.state(found).runs.iter().enumerate().filter_map(timed).collect()
     }
 
     fn further_work(&self) -> f64 {
-        let timed = self
-            .planned
-            .iter()
-            .filter(|run| run.scene.is_some() && run.work <= TIMED);
+        let planned = self.planned.iter();
+        let timed = planned.filter(|run| run.scene.is_some() && run.work <= TIMED);
         timed.map(|run| self.timing(run)).sum()
     }
 
-    fn make(&self, job: &StudyJob, bench: &Bench<'_>) -> Result<Option<StudyFound>, ExperimentError> {
-        match job {
+    fn make(&self, job: &StudyJob, bench: &Bench<'_>) -> Result<StudyFound, Unmade> {
+        Ok(match job {
             StudyJob::Run(index) => {
                 let made = bench.run(&self.run(&self.planned[*index]))?;
-                Ok(made.map(|made| StudyFound::Ran(*index, made)))
+                StudyFound::Ran(*index, made, None)
             }
             StudyJob::Time(index, run) => {
                 let timed = bench.timed(&self.run(run), self.options.repeats, run.is_growth())?;
-                Ok(timed.map(|timed| StudyFound::Timed(*index, timed)))
+                StudyFound::Ran(*index, timed.made, Some(timed.times))
             }
             StudyJob::Refine(family, mesh) => {
                 let total = self.work(*family, *mesh).max(1.0);
@@ -283,21 +275,16 @@ impl Experiment for Script {
                 let mut refine = |mesh| refine(&self.subject, &self.options, *family, mesh, &mut one);
                 let found = refine(*mesh)?;
                 // A reduced model whose corrected mesh cannot run has a plain one.
-                let is_empty = found.as_ref().is_some_and(|found| found.levels.is_empty());
-                let instead = is_empty && *family != Family::Nonlinear && *mesh == Discretisation::Corrected;
-                let found = if instead { refine(Discretisation::Plain)? } else { found };
-                Ok(found.map(StudyFound::Refined))
+                let reduced = *family != Family::Nonlinear && *mesh == Discretisation::Corrected;
+                let instead = reduced && found.levels.is_empty();
+                StudyFound::Refined(if instead { refine(Discretisation::Plain)? } else { found })
             }
-        }
+        })
     }
 
     fn label(&self, job: &StudyJob) -> String {
-        let label = if matches!(job, StudyJob::Time(..)) {
-            "times"
-        } else {
-            "errors"
-        };
-        label.to_owned()
+        let is_time = matches!(job, StudyJob::Time(..));
+        if is_time { "times" } else { "errors" }.to_owned()
     }
 
     fn judge(&self, found: &[Option<StudyFound>]) -> Study {

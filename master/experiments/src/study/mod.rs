@@ -34,18 +34,15 @@ mod tests;
 mod text;
 mod vehicle;
 
-pub use identity::{identity, settings};
 pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
 pub use options::{Options, Sweep};
-pub use order::{Order, order};
+pub use order::Order;
 pub use outcome::{Entry, Levels, Reference, Study};
-pub use page::page;
 pub use pareto::{Recommendation, TARGETS};
 pub use plan::StudyRun;
 pub use rank::{keep_ranks, rank};
 pub use reference::{Discretisation, Refinement};
 pub use run_spec::{Class, Exchange, Family, Mesh, RunSpec, Subject};
-pub use text::text;
 pub use vehicle::{VehicleVariant, VehicleVariantName};
 
 /// Table of a study.

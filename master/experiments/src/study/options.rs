@@ -51,8 +51,7 @@ impl Options {
 
 impl Options {
     /// `true` where a sweep is asked for; all are where none is named.
-    #[must_use]
-    pub fn sweeps_over(&self, sweep: Sweep) -> bool {
+    pub(super) fn sweeps_over(&self, sweep: Sweep) -> bool {
         self.sweeps.is_empty() || self.sweeps.contains(&sweep)
     }
 }
@@ -116,8 +115,7 @@ impl Sweep {
     ];
 
     /// `true` where its runs are judged by the reference of their family.
-    #[must_use]
-    pub fn is_judged_by_reference(self) -> bool {
+    pub(super) fn is_judged_by_reference(self) -> bool {
         !matches!(self, Self::Spans | Self::Vehicle)
     }
 

@@ -28,8 +28,7 @@ const HIGHEST: f64 = 16.0;
 ///
 /// Derived here; with a constant ratio `h₁/h₂ = h₂/h₃ = r` it is `p = ln(d₁₂/d₂₃) / ln r`. The right side rises with
 /// `p`, so that it is halved to the root. `None` where there is none between 0 and 16.
-#[must_use]
-pub fn order([h1, h2, h3]: [f64; 3], [d12, d23]: [f64; 2]) -> Option<f64> {
+pub(super) fn order([h1, h2, h3]: [f64; 3], [d12, d23]: [f64; 2]) -> Option<f64> {
     let falls = h1 > h2 && h2 > h3 && h3 > 0.0;
     if !(falls && d12 > 0.0 && d23 > 0.0 && d12.is_finite() && d23.is_finite()) {
         return None;

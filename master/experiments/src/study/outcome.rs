@@ -1,6 +1,6 @@
 //! Results of a study.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::options::Sweep;
 use super::order::Order;
@@ -46,7 +46,7 @@ pub struct Study {
 }
 
 /// One run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
     /// The columns of all tables.
     #[serde(flatten)]
@@ -70,8 +70,21 @@ pub struct Entry {
     /// Hash of the keys that no run specification says.
     pub settings: String,
     /// Vehicle below the pantograph; nothing where the scene has none.
-    #[serde(flatten)]
+    #[serde(flatten, skip_deserializing)]
     pub vehicle_variant: Option<VehicleVariantName>,
+}
+
+impl Entry {
+    /// `true` where it is part of a sweep.
+    pub(super) fn is_in(&self, sweep: Sweep) -> bool {
+        self.sweep.split('+').any(|name| name == sweep.name())
+    }
+
+    /// Vehicle and track below the pantograph; empty words where the scene has no vehicle.
+    pub(super) fn stands_on(&self) -> VehicleVariantName {
+        let (vehicle, track) = ("", "");
+        self.vehicle_variant.unwrap_or(VehicleVariantName { vehicle, track })
+    }
 }
 
 /// A reference and what is known of it.
@@ -121,20 +134,17 @@ pub struct Levels {
 impl Study {
     /// The rows of a sweep.
     pub fn of(&self, sweep: Sweep) -> impl Iterator<Item = &Entry> {
-        let part = move |entry: &&Entry| entry.sweep.split('+').any(|name| name == sweep.name());
-        self.rows.iter().filter(part)
+        self.rows.iter().filter(move |entry| entry.is_in(sweep))
     }
 
     /// The reference of a family.
-    #[must_use]
-    pub fn reference(&self, family: Family) -> Option<&Reference> {
+    pub(super) fn reference(&self, family: Family) -> Option<&Reference> {
         self.references.iter().find(|found| found.family == family)
     }
 
     /// Caveat on an error of `target` percent that a row of a family is claimed to have; nothing where the reference is
     /// known as well as that.
-    #[must_use]
-    pub fn caveat(&self, family: Family, target: f64) -> String {
+    pub(super) fn caveat(&self, family: Family, target: f64) -> String {
         let reference = self.reference(family);
         let open = reference.filter(|found| found.uncertainty_percent.is_none_or(|percent| percent > target));
         open.map_or_else(String::new, |found| {
@@ -151,25 +161,18 @@ impl Study {
     }
 
     /// Name of a row: mesh, micro step, coupling, reductions.
-    #[must_use]
-    pub fn label(&self, row: &RunRow) -> String {
+    pub(super) fn label(&self, row: &RunRow) -> String {
         label(row, self.intervals)
     }
 
     /// Settings of the same run, in words.
-    #[must_use]
-    pub fn advice(&self, entry: &Entry) -> String {
+    pub(super) fn advice(&self, entry: &Entry) -> String {
         format!("{}, Newton to {} N", self.label(&entry.row), entry.newton_tolerance)
     }
 }
 
 impl Table for Study {
     fn sheet(&self) -> Sheet {
-        let vehicle = |entry: &Entry, word: fn(VehicleVariantName) -> &'static str| {
-            entry
-                .vehicle_variant
-                .map_or_else(String::new, |name| word(name).to_owned())
-        };
         let of_reference = |index: usize, entry: &Entry, known: fn(&Reference) -> Option<f64>| {
             self.reference_of(index, entry).and_then(known).cell()
         };
@@ -190,8 +193,8 @@ impl Table for Study {
             .value("setup_s", |entry| entry.setup_s)
             .count("spans", |entry| entry.spans)
             .count("working_memory_bytes", |entry| entry.working_memory_bytes)
-            .text("vehicle", |entry| vehicle(entry, |name| name.vehicle))
-            .text("track", |entry| vehicle(entry, |name| name.track))
+            .text("vehicle", |entry| entry.stands_on().vehicle.to_owned())
+            .text("track", |entry| entry.stands_on().track.to_owned())
             .text("scene_hash", |_| self.identity.clone())
             .text("settings_hash", |entry| entry.settings.clone());
         Sheet {
@@ -206,11 +209,11 @@ impl Table for Study {
     }
 
     fn text(&self) -> String {
-        super::text(self)
+        super::text::text(self)
     }
 
     fn sections(&self) -> Page {
-        super::page(self)
+        super::page::page(self)
     }
 }
 

@@ -1,23 +1,21 @@
 //! `study.html`.
 
 use super::options::Sweep;
+use super::order::Order;
 use super::outcome::{Entry, Study};
-use super::pareto::{TARGETS, speed};
+use super::pareto::{Recommendation, TARGETS, speed};
 use super::run_spec::Class;
 use super::text::known;
 use super::{CSV, plots};
-use crate::engine::Table as _;
 use crate::engine::export::{
-    PageColumn, cells, count, fixed, grouped, heads, incomplete, number, scrolled, status_counts, status_rule,
-    status_span, step,
+    count, fixed, grouped, number, reasons, run_lines, scene_lead, status_rule, status_span, step,
 };
 use crate::engine::run::SETTLE;
-use crate::engine::table::{RunRow, Status, milliseconds};
-use results::report::{Page, escape, head_cells, remarks};
+use crate::engine::table::{RunRow, milliseconds};
+use results::report::{Page, PageColumn, cell, cells, escape, head_cells, heads, lined, remarks, scrolled};
 
 /// The page of a study.
-#[must_use]
-pub fn page(study: &Study) -> Page {
+pub(super) fn page(study: &Study) -> Page {
     let title = if study.title.is_empty() {
         &study.scene
     } else {
@@ -42,15 +40,9 @@ pub fn page(study: &Study) -> Page {
 }
 
 fn lead(study: &Study) -> String {
-    let mut html = format!("<p><b>{}</b> · {} runs", escape(&study.scene), study.rows.len());
-    html.push_str(&format!(": {}</p>\n", status_counts(&study.sheet().rows)));
-    html.push_str(&format!("<p>Machine: {}</p>\n", escape(&study.machine.name())));
-    if !study.source.is_empty() {
-        html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&study.source)));
-    }
-    html.push_str(&incomplete(study, " The same command goes on from here."));
-    html.push_str(&remarks(&study.notes));
-    html
+    let machine = format!("<p>Machine: {}</p>\n", escape(&study.machine.name()));
+    let remedy = " The same command goes on from here.";
+    scene_lead(&study.scene, &study.source, study, &machine, remedy) + &remarks(&study.notes)
 }
 
 /// Text whose long names may be broken at their joints.
@@ -63,48 +55,35 @@ fn recommended(study: &Study) -> String {
     if study.recommendations.is_empty() {
         return String::new();
     }
-    let head: String = TARGETS
-        .iter()
-        .map(|target| format!("<th>for {target} %</th>"))
-        .collect();
-    let mut classes: Vec<&str> = study.recommendations.iter().map(|found| found.class.as_str()).collect();
-    classes.dedup();
-    let mut body = String::new();
-    for class in classes {
-        body.push_str(&format!("<tr><td class=\"s\">{}</td>", escape(class)));
-        for target in TARGETS {
-            let found = study
-                .recommendations
-                .iter()
-                .find(|found| found.class == class && found.target_percent == target);
-            let cell = match found.and_then(|found| Some((found, found.row?))) {
-                Some((found, index)) => {
-                    let entry = &study.rows[index];
-                    let row = &entry.row;
-                    let factor = row.real_time_factor.unwrap_or(f64::NAN);
-                    let caveat = if found.caveat.is_empty() {
-                        String::new()
-                    } else {
-                        format!("<br><span class=\"bad\">{}</span>", escape(&found.caveat))
-                    };
-                    format!(
-                        "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>{caveat}",
-                        speed(factor),
-                        breakable(&study.advice(entry)),
-                        number(row.filtered_error)
-                    )
-                }
-                None => "<span class=\"soft\">not reached</span>".to_owned(),
-            };
-            body.push_str(&format!("<td class=\"remark\">{cell}</td>"));
-        }
-        body.push_str("</tr>\n");
-    }
+    let said = |found: &Recommendation| {
+        let Some(index) = found.row else {
+            return cell("remark", "<span class=\"soft\">not reached</span>");
+        };
+        let entry = &study.rows[index];
+        let caveat = match found.caveat.as_str() {
+            "" => String::new(),
+            caveat => format!("<br><span class=\"bad\">{}</span>", escape(caveat)),
+        };
+        let said = format!(
+            "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>{caveat}",
+            speed(entry.row.real_time_factor.unwrap_or(f64::NAN)),
+            breakable(&study.advice(entry)),
+            number(entry.row.filtered_error)
+        );
+        cell("remark", &said)
+    };
+    // Each class has a recommendation for every target, in their order.
+    let classes = study.recommendations.chunk_by(|a, b| a.class == b.class);
+    let line = |found: &[Recommendation]| {
+        let targets: String = found.iter().map(said).collect();
+        cell("s", &escape(&found[0].class)) + &targets
+    };
+    let head: String = TARGETS.map(|target| format!("<th>for {target} %</th>")).concat();
     format!(
         "{}<p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its \
          standard deviation σ, rms over the evaluation range, against the reference of its own model; what is known of \
          that is said where it is less than the percentage.</p>\n",
-        scrolled(&format!("<th></th>{head}"), &body)
+        lined(&format!("<th></th>{head}"), classes.map(line))
     )
 }
 
@@ -112,32 +91,24 @@ fn references(study: &Study) -> String {
     let mut html = String::new();
     for reference in &study.references {
         if reference.row.is_some() {
-            html.push_str(&format!(
-                "<h3>{}</h3><p>σ {} N, {}.</p>\n",
-                breakable(&reference.name),
-                number(reference.std),
-                escape(&known(reference))
-            ));
+            let (name, std, known) = (breakable(&reference.name), number(reference.std), known(reference));
+            html.push_str(&format!("<h3>{name}</h3><p>σ {std} N, {}.</p>\n", escape(&known)));
         }
-        let mut body = String::new();
+        let mut lines = Vec::new();
         for found in &reference.refinements {
+            let mesh = cell("", found.discretisation.name());
             for (level, micro_step) in found.micro_step_s.iter().enumerate() {
-                let elements = found.elements_per_span[level].map_or_else(String::new, |count| count.to_string());
-                body.push_str(&format!(
-                    "<tr><td>{}</td><td class=\"n\">{elements}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
-                     <td class=\"n\">{}</td></tr>\n",
-                    found.discretisation.name(),
-                    milliseconds(Some(*micro_step)),
-                    found.std[level].map_or_else(String::new, |std| format!("{std:.3}")),
+                let cells = [
+                    count(found.elements_per_span[level]),
+                    step(Some(*micro_step)),
+                    fixed(found.std[level], 3),
                     number(found.difference_percent[level]),
-                ));
+                ];
+                lines.push(mesh.clone() + &cells.map(|text| cell("n", &text)).concat());
             }
             if !found.ended.is_empty() {
-                body.push_str(&format!(
-                    "<tr><td>{}</td><td colspan=\"4\" class=\"soft\">ended: {}</td></tr>\n",
-                    found.discretisation.name(),
-                    escape(&found.ended)
-                ));
+                let ended = escape(&found.ended);
+                lines.push(format!("{mesh}<td colspan=\"4\" class=\"soft\">ended: {ended}</td>"));
             }
         }
         let mesh = format!("{} line, mesh", reference.family.name());
@@ -148,51 +119,39 @@ fn references(study: &Study) -> String {
             ("σ", "N", true),
             ("from the level before", "% of σ", true),
         ]);
-        html.push_str(&scrolled(&head, &body));
+        html.push_str(&lined(&head, lines));
     }
     html
 }
 
 fn orders(study: &Study) -> String {
+    const ORDERS: &[PageColumn<Order>] = &[
+        ("refined", "", "", |found| found.sweep.replace('_', " ")),
+        ("the same", "", "", |found| escape(&found.of)),
+        ("elements per span or ms", "", "n", |found| {
+            let sizes = found.sizes.map(|size| match found.sweep {
+                "mesh" => format!("{size}"),
+                _ => milliseconds(Some(size)),
+            });
+            sizes.join(" → ")
+        }),
+        ("first difference", "% of σ", "n", |found| {
+            number(Some(found.differences[0]))
+        }),
+        ("second", "% of σ", "n", |found| number(Some(found.differences[1]))),
+        ("order", "", "n", |found| {
+            let order = found.order.map(|order| format!("{order:.1}"));
+            order.unwrap_or_else(|| "none".to_owned())
+        }),
+    ];
     if study.orders.is_empty() {
         return String::new();
     }
-    let mut body = String::new();
-    for found in &study.orders {
-        let size = |size: f64| {
-            if found.sweep == "mesh" {
-                format!("{size}")
-            } else {
-                milliseconds(Some(size))
-            }
-        };
-        let sizes: Vec<String> = found.sizes.iter().map(|value| size(*value)).collect();
-        body.push_str(&format!(
-            "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
-             <td class=\"n\">{}</td></tr>\n",
-            found.sweep.replace('_', " "),
-            escape(&found.of),
-            sizes.join(" → "),
-            number(Some(found.differences[0])),
-            number(Some(found.differences[1])),
-            found
-                .order
-                .map_or_else(|| "none".to_owned(), |order| format!("{order:.1}")),
-        ));
-    }
-    let head = head_cells([
-        ("refined", "", false),
-        ("the same", "", false),
-        ("elements per span or ms", "", true),
-        ("first difference", "% of σ", true),
-        ("second", "% of σ", true),
-        ("order", "", true),
-    ]);
     format!(
         "{}<p class=\"caption\">From the differences of three successive runs; no reference takes part, so that \
          neither the other discretisation nor the reference's own error spoils it. None: the differences do not \
          fall.</p>\n",
-        scrolled(&head, &body)
+        lined(&heads(ORDERS), study.orders.iter().map(|found| cells(ORDERS, found)))
     )
 }
 
@@ -200,14 +159,7 @@ fn orders(study: &Study) -> String {
 type Columns = [PageColumn<Entry>];
 
 const COLUMNS: &Columns = &[
-    (
-        "",
-        "",
-        "",
-        |entry| {
-            if entry.pareto { "★".to_owned() } else { String::new() }
-        },
-    ),
+    ("", "", "", |entry| if entry.pareto { "★" } else { "" }.to_owned()),
     ("elements", "per span", "n", |entry| count(entry.row.elements_per_span)),
     ("mesh", "", "", |entry| breakable(&entry.row.mesh)),
     ("micro", "ms", "n", |entry| step(entry.row.micro_step)),
@@ -229,23 +181,25 @@ const COLUMNS: &Columns = &[
 ];
 
 fn exchange(row: &RunRow) -> String {
-    match row.macro_step {
-        None => "one system".to_owned(),
-        Some(step) => {
-            let degree = row
-                .extrapolation
-                .map_or_else(String::new, |degree| format!(" ({degree})"));
-            format!("{}{degree} {}", escape(&row.algorithm), milliseconds(Some(step)))
-        }
-    }
+    let Some(macro_step) = row.macro_step else {
+        return "one system".to_owned();
+    };
+    let degree = row
+        .extrapolation
+        .map_or_else(String::new, |degree| format!(" ({degree})"));
+    format!("{}{degree} {}", escape(&row.algorithm), milliseconds(Some(macro_step)))
+}
+
+/// Reason of a run that is not stable.
+fn why(entry: &Entry) -> String {
+    entry
+        .row
+        .trouble()
+        .map_or_else(String::new, |_| escape(&entry.row.reason))
 }
 
 fn table<'a>(rows: impl Iterator<Item = &'a Entry>, columns: &Columns) -> String {
-    let row = |entry: &Entry| {
-        let cells = cells(columns, entry);
-        format!("<tr title=\"{}\">{cells}</tr>\n", escape(&entry.row.reason))
-    };
-    let body: String = rows.map(row).collect();
+    let body = run_lines(columns, rows, |entry| &entry.row);
     if body.is_empty() {
         return String::new();
     }
@@ -256,35 +210,26 @@ fn table<'a>(rows: impl Iterator<Item = &'a Entry>, columns: &Columns) -> String
 fn part(study: &Study, sweep: Sweep) -> String {
     let html = table(study.of(sweep), COLUMNS);
     let ended = study.of(sweep).map(|entry| &entry.row);
-    let ended = ended.filter(|row| row.status.is_some_and(|status| status != Status::Stable));
-    let reasons = grouped(ended.map(|row| {
-        let name = if sweep == Sweep::Reductions {
-            row.reduction.clone()
-        } else {
-            study.label(row)
-        };
-        (&row.reason, name)
-    }));
-    let said: String = reasons
-        .iter()
+    let named = |row: &RunRow| match sweep {
+        Sweep::Reductions => row.reduction.clone(),
+        _ => study.label(row),
+    };
+    let said = grouped(ended.filter_map(|row| row.trouble().map(|_| (&row.reason, named(row)))));
+    let said = said.iter();
+    let said: String = said
         .map(|(reason, names)| format!("<li>{}: {}</li>", escape(&names.join("; ")), escape(reason)))
         .collect();
     if said.is_empty() {
-        html
-    } else {
-        format!("{html}<ul class=\"soft\">{said}</ul>\n")
+        return html;
     }
+    format!("{html}<ul class=\"soft\">{said}</ul>\n")
 }
 
 /// Effect and cost of each model of the vehicle.
 fn vehicles(study: &Study) -> String {
     const VEHICLES: &Columns = &[
-        ("track", "", "", |entry| {
-            breakable(entry.vehicle_variant.map_or("", |name| name.track))
-        }),
-        ("vehicle", "", "", |entry| {
-            breakable(entry.vehicle_variant.map_or("", |name| name.vehicle))
-        }),
+        ("track", "", "", |entry| breakable(entry.stands_on().track)),
+        ("vehicle", "", "", |entry| breakable(entry.stands_on().vehicle)),
         ("status", "", "", |entry| status_span(entry.row.status)),
         ("difference", "% of σ", "n", |entry| {
             number(vehicle_error(entry, entry.row.filtered_error))
@@ -298,10 +243,7 @@ fn vehicles(study: &Study) -> String {
         ("wall", "s", "n", |entry| number(entry.row.wall)),
         ("coordinates", "", "n", |entry| count(entry.row.coordinates)),
         ("reductions", "", "", |entry| breakable(&entry.row.reduction)),
-        ("why", "", "", |entry| match entry.row.status {
-            Some(Status::Stable) | None => String::new(),
-            Some(_) => escape(&entry.row.reason),
-        }),
+        ("why", "", "", why),
     ];
     let table = table(study.of(Sweep::Vehicle), VEHICLES);
     if table.is_empty() {
@@ -335,10 +277,7 @@ fn growth(study: &Study) -> String {
             number(entry.working_memory_bytes.map(|bytes| bytes as f64 / 1e6))
         }),
         ("statics and loading", "s", "n", |entry| number(entry.setup_s)),
-        ("why", "", "", |entry| match entry.row.status {
-            Some(Status::Stable) | None => String::new(),
-            Some(_) => escape(&entry.row.reason),
-        }),
+        ("why", "", "", why),
     ];
     let table = table(study.of(Sweep::Spans), GROWTH);
     if table.is_empty() {
@@ -349,30 +288,15 @@ fn growth(study: &Study) -> String {
 }
 
 fn all(study: &Study) -> String {
-    let mut html = table(study.rows.iter(), COLUMNS);
-    let reasons = study.rows.iter().map(|entry| &entry.row.reason);
-    let reasons = grouped(reasons.filter(|reason| !reason.is_empty()).map(|reason| (reason, ())));
-    if !reasons.is_empty() {
-        let said: String = reasons
-            .iter()
-            .map(|(reason, runs)| {
-                format!(
-                    "<tr><td class=\"n\">{}</td><td class=\"remark\">{}</td></tr>\n",
-                    runs.len(),
-                    escape(reason)
-                )
-            })
-            .collect();
-        html.push_str(&format!(
-            "<details><summary>What is to be said of runs</summary>{}</details>\n",
-            scrolled("<th class=\"n\">runs</th><th>reason</th>", &said)
-        ));
-    }
-    html.push_str(&format!(
-        "<p class=\"caption\">★ on the front of its class. All columns, the work of the solvers among them, are in \
-         {CSV}.</p>\n"
-    ));
-    html
+    let said = study.rows.iter().map(|entry| entry.row.reason.as_str());
+    let said = grouped(said.filter(|reason| !reason.is_empty()).map(|reason| (reason, ())));
+    let said = said.into_iter().map(|(reason, runs)| (runs.len().to_string(), reason));
+    format!(
+        "{}{}<p class=\"caption\">★ on the front of its class. All columns, the work of the solvers among them, are in \
+         {CSV}.</p>\n",
+        table(study.rows.iter(), COLUMNS),
+        reasons("What is to be said of runs", "n", said.collect())
+    )
 }
 
 fn legend(study: &Study) -> String {

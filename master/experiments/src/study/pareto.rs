@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::run_spec::Class;
+use crate::engine::export::grouped;
 use crate::engine::table::{RunRow, Status};
 
 /// Errors that a recommendation is given for, % of the standard deviation.
 pub const TARGETS: [f64; 3] = [3.0, 1.0, 0.3];
 
 /// Real-time factor and filtered error of a row that can be on the front.
-#[must_use]
-pub fn point(row: &RunRow) -> Option<(f64, f64)> {
+pub(super) fn point(row: &RunRow) -> Option<(f64, f64)> {
     let factor = row
         .real_time_factor
         .filter(|factor| factor.is_finite() && *factor > 0.0)?;
@@ -20,8 +20,7 @@ pub fn point(row: &RunRow) -> Option<(f64, f64)> {
 
 /// Rows that no other row of their class beats: none is both cheaper and more accurate, or one of these and equal in
 /// the other.
-#[must_use]
-pub fn pareto(rows: &[&RunRow]) -> Vec<bool> {
+pub(super) fn pareto(rows: &[&RunRow]) -> Vec<bool> {
     let points: Vec<_> = rows
         .iter()
         .map(|row| Some((Class::of(&row.reduction), point(row)?)))
@@ -60,31 +59,19 @@ pub struct Recommendation {
 
 /// For each class that has rows with errors, and each target, the cheapest row that reaches it; `name` names a row,
 /// `caveat` says what the reference of a class leaves open of a target.
-#[must_use]
-pub fn recommendations(
+pub(super) fn recommendations(
     rows: &[&RunRow],
     name: impl Fn(usize) -> String,
     caveat: impl Fn(Class, f64) -> String,
 ) -> Vec<Recommendation> {
-    let mut classes: Vec<Class> = rows
-        .iter()
-        .filter(|row| point(row).is_some())
-        .map(|row| Class::of(&row.reduction))
-        .collect();
-    classes.sort();
-    classes.dedup();
+    let placed = rows.iter().enumerate();
+    let placed = placed.filter_map(|(index, row)| Some((Class::of(&row.reduction), (index, point(row)?))));
+    let mut classes = grouped(placed);
+    classes.sort_by_key(|(class, _)| *class);
     let mut all = Vec::new();
-    for class in classes {
-        let of_class: Vec<(usize, (f64, f64))> = rows
-            .iter()
-            .enumerate()
-            .filter(|(_, row)| Class::of(&row.reduction) == class)
-            .filter_map(|(index, row)| Some((index, point(row)?)))
-            .collect();
-        let best = of_class
-            .iter()
-            .map(|(_, (_, error))| *error)
-            .fold(f64::INFINITY, f64::min);
+    for (class, of_class) in classes {
+        let errors = of_class.iter().map(|(_, (_, error))| *error);
+        let best = errors.fold(f64::INFINITY, f64::min);
         for target in TARGETS {
             let enough = of_class.iter().filter(|(_, (_, error))| *error <= target);
             let chosen = enough.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
@@ -92,16 +79,13 @@ pub fn recommendations(
             let text = match chosen {
                 Some((index, (factor, error))) => {
                     let but = if caveat.is_empty() { "" } else { "; " };
-                    let name = name(*index);
-                    format!(
-                        "for {target} % take {name}: {error:.2} %, {}{but}{caveat}",
-                        speed(*factor)
-                    )
+                    let (name, speed) = (name(*index), speed(*factor));
+                    format!("for {target} % take {name}: {error:.2} %, {speed}{but}{caveat}")
                 }
-                None => format!(
-                    "{target} % is not reached: {best:.2} % is the best of {} runs",
-                    of_class.len()
-                ),
+                None => {
+                    let count = of_class.len();
+                    format!("{target} % is not reached: {best:.2} % is the best of {count} runs")
+                }
             };
             all.push(Recommendation {
                 class: class.name(),
@@ -116,8 +100,7 @@ pub fn recommendations(
 }
 
 /// A real-time factor in words.
-#[must_use]
-pub fn speed(factor: f64) -> String {
+pub(super) fn speed(factor: f64) -> String {
     if factor <= 1.0 {
         format!("{:.1} times faster than real time", 1.0 / factor)
     } else {

@@ -1,11 +1,11 @@
 //! Runs of a study: a base case, sweeps that change one thing at a time, and a ladder of balanced meshes and steps.
 
 use super::options::{Options, Sweep};
-use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject};
+use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject, correction_sets};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
 use crate::engine::Variant;
-use crate::engine::table::{AUTO, RunRow};
+use crate::engine::table::{AUTO, RunRow, joined};
 use simulation::Mode;
 use simulation::sliding_joint;
 
@@ -18,6 +18,8 @@ pub struct StudyRun {
     pub variant: Variant,
     /// Scene of the run with every default written out; nothing where the scene refuses the run.
     pub scene: Option<String>,
+    /// Row before the run is made.
+    pub row: RunRow,
     /// Sweeps that the run is part of.
     pub sweeps: Vec<Sweep>,
     /// Expected work, coordinates times micro steps.
@@ -26,13 +28,17 @@ pub struct StudyRun {
 
 impl StudyRun {
     /// Run of a specification.
-    #[must_use]
-    pub fn new(subject: &Subject, spec: RunSpec, sweep: Sweep) -> Self {
+    pub(super) fn new(subject: &Subject, spec: RunSpec, sweep: Sweep) -> Self {
         let variant = subject.variant(&spec);
-        let scene = system::load(subject.text_of(&spec), &subject.name, &variant.overrides);
+        let scene = system::load(subject.text_of(&spec), &subject.name, &variant.overrides).ok();
+        let row = match &scene {
+            Some(scene) => RunRow::planned(&subject.name, scene, variant.mode, &variant.algorithm),
+            None => asked_for(subject, &spec, &variant),
+        };
         Self {
             work: subject.work(&spec),
-            scene: scene.ok().map(|scene| scene.to_toml()),
+            scene: scene.map(|scene| scene.to_toml()),
+            row,
             variant,
             sweeps: vec![sweep],
             spec,
@@ -40,21 +46,19 @@ impl StudyRun {
     }
 
     /// `true` where two runs are one.
-    #[must_use]
-    pub fn same(&self, other: &Self) -> bool {
-        // What is judged by another model of the vehicle is not judged by the reference of the mesh.
-        let judges_alike = self.is_for_vehicle() == other.is_for_vehicle();
-        let one = judges_alike
-            && self.variant.mode == other.variant.mode
-            && self.variant.algorithm == other.variant.algorithm;
+    pub(super) fn same(&self, other: &Self) -> bool {
         // What stands on no track is judged by what stands on each.
         let track = |run: &Self| {
             run.spec
                 .vehicle_variant
                 .as_ref()
-                .map_or(OWN, |vehicle_variant| vehicle_variant.name.track)
+                .map_or(OWN, |variant| variant.name.track)
         };
-        one && track(self) == track(other)
+        // What is judged by another model of the vehicle is not judged by the reference of the mesh.
+        self.is_for_vehicle() == other.is_for_vehicle()
+            && self.variant.mode == other.variant.mode
+            && self.variant.algorithm == other.variant.algorithm
+            && track(self) == track(other)
             && match (&self.scene, &other.scene) {
                 (Some(own), Some(theirs)) => own == theirs,
                 (None, None) => self.spec == other.spec,
@@ -62,48 +66,57 @@ impl StudyRun {
             }
     }
 
+    /// Makes it part of a sweep too.
+    pub fn join(&mut self, sweep: Sweep) {
+        if !self.sweeps.contains(&sweep) {
+            self.sweeps.push(sweep);
+        }
+    }
+
     /// `true` where the run is there for the vehicle alone: nothing else competes with it.
-    #[must_use]
-    pub fn is_for_vehicle(&self) -> bool {
+    pub(super) fn is_for_vehicle(&self) -> bool {
         self.sweeps == [Sweep::Vehicle]
     }
 
     /// `true` where it is there for the growth of cost with the number of spans.
-    #[must_use]
-    pub fn is_growth(&self) -> bool {
+    pub(super) fn is_growth(&self) -> bool {
         self.sweeps.contains(&Sweep::Spans)
     }
 
     /// Rows that it competes with.
-    #[must_use]
-    pub fn class(&self) -> Class {
+    pub(super) fn class(&self) -> Class {
         Class::of(&self.spec.reductions.join("+"))
     }
 }
 
-/// Runs in the order in which they were asked for; none twice.
-struct Runs<'a> {
-    subject: &'a Subject,
-    runs: Vec<StudyRun>,
-}
-
-impl Runs<'_> {
-    fn add(&mut self, spec: RunSpec, sweep: Sweep) {
-        let planned = StudyRun::new(self.subject, spec, sweep);
-        match self.runs.iter_mut().find(|had| had.same(&planned)) {
-            Some(had) => {
-                if !had.sweeps.contains(&sweep) {
-                    had.sweeps.push(sweep);
-                }
-            }
-            None => self.runs.push(planned),
-        }
+/// Row of a run whose scene cannot be read: what was asked for.
+fn asked_for(subject: &Subject, spec: &RunSpec, variant: &Variant) -> RunRow {
+    let mut row = RunRow {
+        scene: subject.name.clone(),
+        mode: variant.mode.name().to_owned(),
+        algorithm: variant.algorithm.clone(),
+        micro_step: Some(spec.micro_step),
+        reduction: joined(&spec.reductions, "none"),
+        ..RunRow::default()
+    };
+    if let (Mesh::Of { division, corrections }, Some((line, _))) = (&spec.mesh, subject.scene.modelled_line()) {
+        row.divide(line, *division);
+        row.mesh = joined(corrections, "plain");
     }
+    if let Exchange::Of {
+        extrapolation,
+        macro_step,
+        ..
+    } = &spec.exchange
+    {
+        row.macro_step = Some(*macro_step);
+        row.extrapolation = extrapolation.map(|degree| degree as u64);
+    }
+    row
 }
 
 /// The base case: what resolves the waves and the band of the filter.
-#[must_use]
-pub fn base(subject: &Subject) -> RunSpec {
+pub(super) fn base(subject: &Subject) -> RunSpec {
     RunSpec {
         mesh: subject.corrected(subject.elements),
         micro_step: subject.micro_step,
@@ -117,315 +130,294 @@ pub fn base(subject: &Subject) -> RunSpec {
 }
 
 /// All runs but those of the references.
-#[must_use]
-pub fn plan(subject: &Subject, options: &Options) -> Vec<StudyRun> {
-    let mut runs = Runs {
+pub(super) fn plan(subject: &Subject, options: &Options) -> Vec<StudyRun> {
+    let mut plan = Plan {
         subject,
+        options,
+        base: base(subject),
         runs: Vec::new(),
     };
-    scene(&mut runs);
-    runs.add(base(subject), Sweep::Mesh);
-    mesh(&mut runs, options);
-    micro_step(&mut runs, options);
-    coupling(&mut runs, options);
-    rho_inf(&mut runs, options);
-    reductions(&mut runs, options);
-    vehicle(&mut runs);
-    ladder(&mut runs, options);
-    spans(&mut runs, options);
-    if !options.sweeps.is_empty() {
-        for run in &mut runs.runs {
-            run.sweeps.retain(|sweep| options.sweeps.contains(sweep));
-        }
-        runs.runs.retain(|run| !run.sweeps.is_empty());
+    plan.scene();
+    plan.add(Sweep::Mesh, plan.base.clone());
+    if subject.meshed {
+        plan.mesh();
     }
-    runs.runs
-}
-
-/// Runs of the scene as it is: as one system and coupled.
-fn scene(runs: &mut Runs<'_>) {
-    let subject = runs.subject;
-    let reductions = subject.scene.model.reductions.iter();
-    // As it divides the scene's macro step, which a run as one system does not have here.
-    let row = RunRow::planned(&subject.name, &subject.scene, Mode::Monolithic, "");
-    let own = RunSpec {
-        mesh: Mesh::Scene,
-        micro_step: row.micro_step.unwrap_or(subject.scene.solver.micro_step),
-        reductions: reductions.map(|reduction| reduction.name().to_owned()).collect(),
-        exchange: Exchange::Scene,
-        ..base(subject)
-    };
-    if subject.one_system {
-        let exchange = Exchange::None;
-        runs.add(
-            RunSpec {
-                exchange,
-                ..own.clone()
-            },
-            Sweep::Scene,
-        );
-    }
+    plan.micro_step();
     if !sliding_joint::holds(&subject.scene) {
-        runs.add(own, Sweep::Scene);
+        plan.coupling();
     }
+    plan.rho_inf();
+    if subject.meshed {
+        plan.reductions();
+    }
+    plan.vehicle();
+    if subject.meshed {
+        plan.ladder();
+        plan.spans();
+    }
+    let mut runs = plan.runs;
+    for run in &mut runs {
+        run.sweeps.retain(|sweep| options.sweeps_over(*sweep));
+    }
+    runs.retain(|run| !run.sweeps.is_empty());
+    runs
 }
 
-/// `true` where there is a mesh without corrections beside the corrected one.
-fn both(subject: &Subject) -> bool {
-    subject
-        .corrections
-        .as_ref()
-        .is_some_and(|corrections| !corrections.is_empty())
+/// Runs in the order in which they were asked for; none twice.
+struct Plan<'a> {
+    subject: &'a Subject,
+    options: &'a Options,
+    base: RunSpec,
+    runs: Vec<StudyRun>,
 }
 
-fn mesh(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    if !subject.meshed {
-        return;
+impl Plan<'_> {
+    fn add(&mut self, sweep: Sweep, spec: RunSpec) {
+        let planned = StudyRun::new(self.subject, spec, sweep);
+        match self.runs.iter_mut().find(|had| had.same(&planned)) {
+            Some(had) => had.join(sweep),
+            None => self.runs.push(planned),
+        }
     }
-    let with = |mesh: Mesh| RunSpec { mesh, ..base(subject) };
-    for &elements in &options.elements {
-        runs.add(with(subject.corrected(elements)), Sweep::Mesh);
-        runs.add(with(subject.mesh(elements, Vec::new())), Sweep::Mesh);
-    }
-    let corrections = subject.corrections.clone().unwrap_or_default();
-    if options.quick || corrections.len() < 2 {
-        return;
-    }
-    // Each correction alone, and all but one.
-    for index in 0..corrections.len() {
-        runs.add(
-            with(subject.mesh(subject.elements, vec![corrections[index].clone()])),
-            Sweep::Mesh,
-        );
-        let mut others = corrections.clone();
-        others.remove(index);
-        runs.add(with(subject.mesh(subject.elements, others)), Sweep::Mesh);
-    }
-}
 
-fn micro_step(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    for &micro_step in &options.micro_steps {
-        let with = |mesh: Mesh| RunSpec {
-            mesh,
+    /// The base case with as many elements in each dropper interval, and some corrections.
+    fn on_mesh(&self, elements: usize, corrections: &[String]) -> RunSpec {
+        RunSpec {
+            mesh: self.subject.mesh(elements, corrections.to_vec()),
+            ..self.base.clone()
+        }
+    }
+
+    /// A run with another micro step, s.
+    fn at_step(&self, micro_step: f64, spec: RunSpec) -> RunSpec {
+        RunSpec {
             micro_step,
-            exchange: subject.plain_exchange(micro_step),
-            ..base(subject)
+            exchange: self.subject.plain_exchange(micro_step),
+            ..spec
+        }
+    }
+
+    /// Runs of the scene as it is: as one system and coupled.
+    fn scene(&mut self) {
+        let subject = self.subject;
+        let reductions = subject.scene.model.reductions.iter();
+        // As it divides the scene's macro step, which a run as one system does not have here.
+        let row = RunRow::planned(&subject.name, &subject.scene, Mode::Monolithic, "");
+        let coupled = RunSpec {
+            mesh: Mesh::Scene,
+            micro_step: row.micro_step.unwrap_or(subject.scene.solver.micro_step),
+            reductions: reductions.map(|reduction| reduction.name().to_owned()).collect(),
+            exchange: Exchange::Scene,
+            ..self.base.clone()
         };
-        runs.add(with(subject.corrected(subject.elements)), Sweep::MicroStep);
-        if both(subject) {
-            runs.add(with(subject.mesh(subject.elements, Vec::new())), Sweep::MicroStep);
+        if subject.one_system {
+            let exchange = Exchange::None;
+            let alone = RunSpec {
+                exchange,
+                ..coupled.clone()
+            };
+            self.add(Sweep::Scene, alone);
+        }
+        if !sliding_joint::holds(&subject.scene) {
+            self.add(Sweep::Scene, coupled);
+        }
+    }
+
+    fn mesh(&mut self) {
+        let corrections = self.subject.best_corrections();
+        for &elements in &self.options.elements {
+            self.add(Sweep::Mesh, self.on_mesh(elements, corrections));
+            self.add(Sweep::Mesh, self.on_mesh(elements, &[]));
+        }
+        if self.options.quick || corrections.len() < 2 {
+            return;
+        }
+        // Each correction alone, and all but one.
+        let elements = self.subject.elements;
+        for (index, one) in corrections.iter().enumerate() {
+            self.add(Sweep::Mesh, self.on_mesh(elements, std::slice::from_ref(one)));
+            let others = [&corrections[..index], &corrections[index + 1..]].concat();
+            self.add(Sweep::Mesh, self.on_mesh(elements, &others));
+        }
+    }
+
+    fn micro_step(&mut self) {
+        for &micro_step in &self.options.micro_steps {
+            self.add(Sweep::MicroStep, self.at_step(micro_step, self.base.clone()));
+            if !self.subject.best_corrections().is_empty() {
+                let plain = self.on_mesh(self.subject.elements, &[]);
+                self.add(Sweep::MicroStep, self.at_step(micro_step, plain));
+            }
+        }
+    }
+
+    /// The automatic choice at every macro step; the other algorithms, and degrees of extrapolation, at the middle one.
+    fn coupling(&mut self) {
+        let mut steps = self.options.macro_steps.clone();
+        steps.sort_by(f64::total_cmp);
+        for &step in &steps {
+            self.couple(AUTO, None, step);
+        }
+        let middle = steps.get(steps.len() / 2).filter(|_| !self.options.quick);
+        let Some(&middle) = middle else { return };
+        for algorithm in algorithms() {
+            self.couple(algorithm, None, middle);
+        }
+        for degree in 0..=2 {
+            self.couple(scene::Algorithm::GaussSeidel.name(), Some(degree), middle);
+        }
+    }
+
+    fn couple(&mut self, algorithm: &str, extrapolation: Option<usize>, macro_step: f64) {
+        let algorithm = algorithm.to_owned();
+        let spec = RunSpec {
+            // No longer than the macro step: a run and its row say the same.
+            micro_step: self.subject.micro_step.min(macro_step),
+            exchange: Exchange::Of {
+                algorithm,
+                extrapolation,
+                macro_step,
+            },
+            ..self.base.clone()
+        };
+        self.add(Sweep::Coupling, spec);
+    }
+
+    /// All on one mesh: with those corrections that go with every one of them.
+    fn rho_inf(&mut self) {
+        let (subject, options) = (self.subject, self.options);
+        let with = |corrections: &[String], rho_inf: f64| RunSpec {
+            rho_inf,
+            ..self.on_mesh(subject.elements, corrections)
+        };
+        let goes = |corrections: &Vec<String>| {
+            let mut all = options.rho_inf.iter();
+            all.all(|rho_inf| subject.takes(&subject.variant(&with(corrections, *rho_inf)).overrides))
+        };
+        let corrections = correction_sets().find(goes).unwrap_or_default();
+        let specs = options.rho_inf.iter().map(|rho_inf| with(&corrections, *rho_inf));
+        let specs: Vec<RunSpec> = specs.collect();
+        specs.into_iter().for_each(|spec| self.add(Sweep::RhoInf, spec));
+    }
+
+    fn reductions(&mut self) {
+        for reductions in self.reduction_sets() {
+            let base = self.base.clone();
+            self.add(Sweep::Reductions, RunSpec { reductions, ..base });
+        }
+    }
+
+    /// The usual sets, each with what the scene has anyway; those that were asked for as they are.
+    fn reduction_sets(&self) -> Vec<Vec<String>> {
+        let subject = self.subject;
+        let set = |text: &String| -> Vec<String> {
+            let names = text.split('+').map(str::trim);
+            let named = names.filter(|name| !name.is_empty() && *name != "none");
+            named.map(str::to_owned).collect()
+        };
+        if !self.options.reductions.is_empty() {
+            return self.options.reductions.iter().map(set).collect();
+        }
+        let linkage = |pantograph: &scene::Pantograph| matches!(pantograph.model, scene::PantographModel::Linkage(_));
+        let mut sets = vec![Vec::new(), subject.with(&[])];
+        if subject.scene.pushed_sideways().is_none() {
+            sets.push(vec!["planar".to_owned()]);
+        }
+        if subject.scene.pantographs.iter().any(linkage) {
+            sets.push(subject.with(&["linkage"]));
+        }
+        let usual = [&["linearised"][..], &["window"], &["linearised", "window"]];
+        sets.extend(usual.map(|names| subject.with(names)));
+        sets
+    }
+
+    /// The base case on everything else that the pantograph may stand on, with all reductions that change nothing
+    /// there.
+    fn vehicle(&mut self) {
+        for vehicle_variant in &self.subject.vehicle_variants {
+            let spec = RunSpec {
+                reductions: vec![AUTO.to_owned()],
+                vehicle_variant: Some(vehicle_variant.clone()),
+                ..self.base.clone()
+            };
+            self.add(Sweep::Vehicle, spec);
+        }
+    }
+
+    fn ladder(&mut self) {
+        let (subject, quick) = (self.subject, self.options.quick);
+        let corrections = subject.best_corrections();
+        let tolerance = subject.scene.solver.newton_tolerance.max(LADDER_TOLERANCE);
+        let classes: [&[&str]; 4] = [&[], &["window"], &["linearised"], &["linearised", "window"]];
+        for names in classes {
+            let reductions = subject.with(names);
+            if !names.is_empty() && !subject.takes_reductions(&reductions) {
+                continue;
+            }
+            for &(elements, micro_step, _) in LADDER.iter().filter(|(.., short)| *short || !quick) {
+                let elements = (subject.elements * elements).div_ceil(8).max(1);
+                let rung = RunSpec {
+                    mesh: subject.even_mesh(elements, corrections.to_vec()),
+                    reductions: reductions.clone(),
+                    newton_tolerance: tolerance,
+                    ..self.base.clone()
+                };
+                self.add(
+                    Sweep::Ladder,
+                    self.at_step(0.125 * micro_step * subject.micro_step, rung),
+                );
+            }
+        }
+        if !corrections.is_empty() && !quick {
+            let fine = RunSpec {
+                mesh: subject.even_mesh(2 * subject.elements, Vec::new()),
+                newton_tolerance: tolerance,
+                ..self.base.clone()
+            };
+            self.add(Sweep::Ladder, self.at_step(0.25 * subject.micro_step, fine));
+        }
+    }
+
+    fn spans(&mut self) {
+        let options = self.options;
+        for (names, counts) in [(&[][..], &options.spans), (&["window"][..], &options.window_spans)] {
+            for &count in counts {
+                let spec = RunSpec {
+                    reductions: self.subject.with(names),
+                    spans: Some(count),
+                    ..self.base.clone()
+                };
+                self.add(Sweep::Spans, spec);
+            }
         }
     }
 }
 
-/// The automatic choice at every macro step; the other algorithms, and degrees of extrapolation, at the middle one.
-fn coupling(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    if sliding_joint::holds(&subject.scene) {
-        return;
-    }
-    let mut steps = options.macro_steps.clone();
-    steps.sort_by(f64::total_cmp);
-    let with = |algorithm: &str, extrapolation: Option<usize>, macro_step: f64| RunSpec {
-        exchange: Exchange::Of {
-            algorithm: algorithm.to_owned(),
-            extrapolation,
-            macro_step,
-        },
-        // No longer than the macro step: a run and its row say the same.
-        micro_step: subject.micro_step.min(macro_step),
-        ..base(subject)
-    };
-    for &step in &steps {
-        runs.add(with(AUTO, None, step), Sweep::Coupling);
-    }
-    let Some(&middle) = steps.get(steps.len() / 2) else {
-        return;
-    };
-    if options.quick {
-        return;
-    }
-    for algorithm in algorithms() {
-        runs.add(with(algorithm, None, middle), Sweep::Coupling);
-    }
-    for degree in 0..=2 {
-        runs.add(
-            with(scene::Algorithm::GaussSeidel.name(), Some(degree), middle),
-            Sweep::Coupling,
-        );
-    }
-}
-
-/// All on one mesh: with those corrections that go with every one of them.
-fn rho_inf(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    let with = |corrections: &[String], rho_inf: f64| RunSpec {
-        mesh: subject.mesh(subject.elements, corrections.to_vec()),
-        rho_inf,
-        ..base(subject)
-    };
-    let goes = |corrections: &Vec<String>| {
-        let mut all = options.rho_inf.iter();
-        all.all(|rho_inf| subject.takes(&subject.variant(&with(corrections, *rho_inf)).overrides))
-    };
-    let corrections = subject.correction_sets().into_iter().find(goes).unwrap_or_default();
-    for &rho_inf in &options.rho_inf {
-        runs.add(with(&corrections, rho_inf), Sweep::RhoInf);
-    }
-}
-
-/// The usual sets, each with what the scene has anyway; those that were asked for as they are.
-fn reduction_sets(subject: &Subject, options: &Options) -> Vec<Vec<String>> {
-    let set = |text: &str| -> Vec<String> {
-        let names = text
-            .split('+')
-            .map(str::trim)
-            .filter(|name| !name.is_empty() && *name != "none");
-        names.map(str::to_owned).collect()
-    };
-    if !options.reductions.is_empty() {
-        return options.reductions.iter().map(|text| set(text)).collect();
-    }
-    let linkage = |pantograph: &scene::Pantograph| matches!(pantograph.model, scene::PantographModel::Linkage(_));
-    let mut sets = vec![Vec::new(), subject.with(&[])];
-    if subject.scene.pushed_sideways().is_none() {
-        sets.push(set("planar"));
-    }
-    if subject.scene.pantographs.iter().any(linkage) {
-        sets.push(subject.with(&["linkage"]));
-    }
-    sets.push(subject.with(&["linearised"]));
-    sets.push(subject.with(&["window"]));
-    sets.push(subject.with(&["linearised", "window"]));
-    sets
-}
-
-fn reductions(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    if !subject.meshed {
-        return;
-    }
-    for reductions in reduction_sets(subject, options) {
-        runs.add(
-            RunSpec {
-                reductions,
-                ..base(subject)
-            },
-            Sweep::Reductions,
-        );
-    }
-}
-
-/// The base case on everything else that the pantograph may stand on, with all reductions that change nothing there.
-fn vehicle(runs: &mut Runs<'_>) {
-    let subject = runs.subject;
-    for vehicle_variant in &subject.vehicle_variants {
-        let spec = RunSpec {
-            reductions: vec![AUTO.to_owned()],
-            vehicle_variant: Some(vehicle_variant.clone()),
-            ..base(subject)
-        };
-        runs.add(spec, Sweep::Vehicle);
-    }
-}
-
-/// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's.
-/// Shorter intervals have elements of the same length: fewer for the same error, and longer steps with the mass
-/// correction.
-const LADDER: [(usize, f64); 19] = [
-    (2, 16.0),
-    (4, 16.0),
-    (4, 8.0),
-    (6, 8.0),
-    (7, 12.8),
-    (7, 11.0),
-    (7, 8.0),
-    (7, 7.0),
-    (8, 11.6),
-    (8, 10.0),
-    (8, 8.0),
-    (9, 10.0),
-    (10, 8.0),
-    (12, 8.0),
-    (8, 6.0),
-    (8, 4.0),
-    (12, 4.0),
-    (14, 4.0),
-    (16, 4.0),
-];
-
-/// Steps of the ladder with `quick`.
-const SHORT_LADDER: [(usize, f64); 12] = [
-    (4, 16.0),
-    (6, 8.0),
-    (7, 12.8),
-    (7, 11.0),
-    (7, 7.0),
-    (8, 11.6),
-    (8, 10.0),
-    (8, 8.0),
-    (9, 10.0),
-    (8, 6.0),
-    (12, 4.0),
-    (14, 4.0),
+/// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's;
+/// `true` where the step is one with `quick` too. Shorter intervals have elements of the same length: fewer for the
+/// same error, and longer steps with the mass correction.
+const LADDER: [(usize, f64, bool); 19] = [
+    (2, 16.0, false),
+    (4, 16.0, true),
+    (4, 8.0, false),
+    (6, 8.0, true),
+    (7, 12.8, true),
+    (7, 11.0, true),
+    (7, 8.0, false),
+    (7, 7.0, true),
+    (8, 11.6, true),
+    (8, 10.0, true),
+    (8, 8.0, true),
+    (9, 10.0, true),
+    (10, 8.0, false),
+    (12, 8.0, false),
+    (8, 6.0, true),
+    (8, 4.0, false),
+    (12, 4.0, true),
+    (14, 4.0, true),
+    (16, 4.0, false),
 ];
 
 /// Residual that ends Newton's method on the ladder, N: it moves the filtered force far less than the meshes of the
 /// ladder do, and saves corrections.
 const LADDER_TOLERANCE: f64 = 0.3;
-
-fn ladder(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    if !subject.meshed {
-        return;
-    }
-    let rungs = if options.quick { &SHORT_LADDER[..] } else { &LADDER[..] };
-    let spec = |(elements, micro_step): (usize, f64), corrections: &[String], reductions: &[String]| {
-        let elements = (subject.elements * elements).div_ceil(8).max(1);
-        let micro_step = 0.125 * micro_step * subject.micro_step;
-        RunSpec {
-            mesh: subject.even_mesh(elements, corrections.to_vec()),
-            micro_step,
-            reductions: reductions.to_vec(),
-            exchange: subject.plain_exchange(micro_step),
-            newton_tolerance: subject.scene.solver.newton_tolerance.max(LADDER_TOLERANCE),
-            ..base(subject)
-        }
-    };
-    let corrections = subject.corrections.clone().unwrap_or_default();
-    let classes: [&[&str]; 4] = [&[], &["window"], &["linearised"], &["linearised", "window"]];
-    for names in classes {
-        let reductions = subject.with(names);
-        if !names.is_empty() && !subject.takes_reductions(&reductions) {
-            continue;
-        }
-        for &rung in rungs {
-            runs.add(spec(rung, &corrections, &reductions), Sweep::Ladder);
-        }
-    }
-    if both(subject) && !options.quick {
-        let mut fine = spec((16, 4.0), &[], &subject.reductions);
-        fine.micro_step = 0.25 * subject.micro_step;
-        fine.exchange = subject.plain_exchange(fine.micro_step);
-        runs.add(fine, Sweep::Ladder);
-    }
-}
-
-fn spans(runs: &mut Runs<'_>, options: &Options) {
-    let subject = runs.subject;
-    if !subject.meshed {
-        return;
-    }
-    for (names, counts) in [(&[][..], &options.spans), (&["window"][..], &options.window_spans)] {
-        for &count in counts {
-            let spec = RunSpec {
-                reductions: subject.with(names),
-                spans: Some(count),
-                ..base(subject)
-            };
-            runs.add(spec, Sweep::Spans);
-        }
-    }
-}

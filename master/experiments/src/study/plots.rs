@@ -1,8 +1,6 @@
 //! The diagrams of the page.
 
-use plotly::Scatter;
 use plotly::common::{DashType, Font, Line, Marker, Mode as Draw, Position};
-use plotly::layout::HoverMode;
 
 use super::labels::Labels;
 use super::options::Sweep;
@@ -10,13 +8,12 @@ use super::outcome::{Entry, Study};
 use super::pareto::point;
 use super::run_spec::{Class, Family};
 use super::text::shortened;
-use crate::engine::export::plot::{BOUND, Trace, dotted, marked, open_points};
+use crate::engine::export::plot::{
+    BOUND, ERROR, dotted, is_shown, marked, marked_axis, open_points, points, run_curve,
+};
 use crate::engine::export::{grouped, number};
-use crate::engine::table::{RunRow, Status, milliseconds};
-use results::report::plots::{COLOURS, decades_of, finished, layout, logarithmic};
-
-/// Title of axes of error.
-const ERROR: &str = "rms error of the filtered force [% of σ]";
+use crate::engine::table::{AUTO, RunRow, milliseconds};
+use results::report::plots::{Trace, colour, curve, decades_of, figure, finished};
 
 fn hover(study: &Study, row: &RunRow) -> String {
     format!(
@@ -47,327 +44,221 @@ fn short_name(study: &Study, row: &RunRow, usual: &str) -> String {
 }
 
 /// The mesh that most rows of the front have.
-fn usual_mesh(study: &Study) -> String {
-    let front = || {
-        study
-            .rows
-            .iter()
-            .filter(|entry| entry.pareto)
-            .map(|entry| entry.row.mesh.as_str())
-    };
-    let most = front().max_by_key(|mesh| front().filter(|other| other == mesh).count());
-    most.unwrap_or("plain").to_owned()
+fn usual_mesh(study: &Study) -> &str {
+    let on_front = || study.rows.iter().filter(|entry| entry.pareto);
+    let meshes = || on_front().map(|entry| entry.row.mesh.as_str());
+    let most = meshes().max_by_key(|mesh| meshes().filter(|other| other == mesh).count());
+    most.unwrap_or("plain")
 }
 
 /// Error against real-time factor: every run that has both, the front of each class as a line.
 pub(super) fn precision(study: &Study) -> String {
-    let points: Vec<(&Entry, (f64, f64))> = study
-        .rows
-        .iter()
-        .filter(|entry| entry.sweep != Sweep::Vehicle.name())
-        .filter_map(|entry| Some((entry, point(&entry.row)?)))
-        .filter(|(_, (_, error))| *error > 0.0)
-        .collect();
-    if points.is_empty() {
+    let rows = study.rows.iter();
+    let rows = rows.filter(|entry| entry.sweep != Sweep::Vehicle.name());
+    let placed = rows.filter_map(|entry| Some((Class::of(&entry.row.reduction), (entry, point(&entry.row)?))));
+    let placed: Vec<_> = placed.filter(|(_, (_, (_, error)))| *error > 0.0).collect();
+    if placed.is_empty() {
         return String::new();
     }
     let usual = usual_mesh(study);
-    let mut classes: Vec<Class> = points
-        .iter()
-        .map(|(entry, _)| Class::of(&entry.row.reduction))
-        .collect();
-    classes.sort();
-    classes.dedup();
     let range = |of: fn(&(f64, f64)) -> f64| {
-        let values = || points.iter().map(move |(_, point)| of(point));
+        let values = || placed.iter().map(move |(_, (_, point))| of(point));
         (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max))
     };
     let ((fastest, slowest), (best, worst)) = (range(|point| point.0), range(|point| point.1));
     let (low, high) = (fastest / 1.3, slowest * 1.6);
+    let mut classes = grouped(placed);
+    classes.sort_by_key(|(class, _)| *class);
     let mut labels = Labels::new((low, best), (high, worst));
+    let said = |runs: &[(&Entry, (f64, f64))]| runs.iter().map(|(entry, _)| hover(study, &entry.row)).collect();
     let mut traces = Vec::new();
-    for (index, class) in classes.iter().enumerate() {
-        let colour = COLOURS[index % COLOURS.len()];
-        let of_class = || {
-            points
-                .iter()
-                .filter(|(entry, _)| Class::of(&entry.row.reduction) == *class)
-        };
-        let others: Vec<_> = of_class().filter(|(entry, _)| !entry.pareto).collect();
-        let said = others.iter().map(|(entry, _)| hover(study, &entry.row)).collect();
-        traces.push(open_points(others.iter().map(|(_, point)| *point), said, colour));
-        let mut front: Vec<_> = of_class().filter(|(entry, _)| entry.pareto).collect();
+    for (index, (class, runs)) in classes.into_iter().enumerate() {
+        let colour = colour(index);
+        let (mut front, others): (Vec<_>, Vec<_>) = runs.into_iter().partition(|(entry, _)| entry.pareto);
+        traces.push(open_points(others.iter().map(|run| run.1), said(&others), colour));
         front.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        let said = front.iter().map(|(entry, _)| hover(study, &entry.row)).collect();
-        let names = front
-            .iter()
-            .map(|(entry, at)| labels.set(*at, short_name(study, &entry.row, &usual)))
-            .collect();
-        let curve = marked(
-            front.iter().map(|(_, point)| *point),
-            said,
-            (colour, 2.2),
-            vec![colour; front.len()],
-        );
+        let names = front.iter();
+        let names = names.map(|(entry, at)| labels.set(*at, short_name(study, &entry.row, usual)));
+        let names = names.collect();
+        let places = front.iter().map(|run| run.1);
+        let line = marked(places, said(&front), (colour, 2.2), vec![colour; front.len()]);
         traces.push(
-            curve
-                .mode(Draw::LinesMarkersText)
+            line.mode(Draw::LinesMarkersText)
                 .name(class.name())
                 .text_array(names)
                 .text_position(Position::TopRight)
                 .text_font(Font::new().size(11).color(colour)),
         );
     }
-    if let Some(reference) = study.reference(Family::Nonlinear)
-        && let Some(uncertainty) = reference.uncertainty_percent.filter(|percent| *percent > 0.0)
-    {
+    let reference = study.reference(Family::Nonlinear);
+    let uncertainty = reference.and_then(|found| found.uncertainty_percent);
+    if let Some(uncertainty) = uncertainty.filter(|percent| *percent > 0.0) {
         let name = format!("what is not known of the nonlinear reference: {uncertainty:.2} %");
         traces.push(dotted(vec![low, high], vec![uncertainty; 2], &name, BOUND));
     }
-    let layout = layout(
-        decades_of(
-            "real-time factor: wall time of the time loop over simulated time",
-            [fastest, slowest],
-        ),
+    let factors = "real-time factor: wall time of the time loop over simulated time";
+    let axes = points(
+        decades_of(factors, [fastest, slowest]),
         decades_of(ERROR, [best, worst]),
     );
-    format!(
-        "{}<p class=\"caption\">Lower left is better. Filled: the Pareto front of its class, named where there is room \
-         (elements per dropper interval or their length, micro step{}); open: all other runs. Each class is judged by \
-         the reference of its own model. Wall time in seconds is {:.2} times the real-time factor.</p>\n",
-        finished(traces, layout.hover_mode(HoverMode::Closest), "plot-precision", 560),
-        match usual.as_str() {
-            "plain" => String::new(),
-            _ => format!(
-                "; mesh {} = {} unless another one is named",
-                shortened(&usual),
-                results::report::escape(&usual)
-            ),
-        },
+    let mesh = match usual {
+        "plain" => String::new(),
+        usual => format!(
+            "; mesh {} = {} unless another one is named",
+            shortened(usual),
+            results::report::escape(usual)
+        ),
+    };
+    let caption = format!(
+        "Lower left is better. Filled: the Pareto front of its class, named where there is room (elements per dropper \
+         interval or their length, micro step{mesh}); open: all other runs. Each class is judged by the reference of \
+         its own model. Wall time in seconds is {:.2} times the real-time factor.",
         study.simulated_s
-    )
+    );
+    figure(traces, axes, ("plot-precision", 560), &caption)
 }
 
-/// Curves of error over `x` through the rows of a sweep, one for each name.
-fn sweep(
-    study: &Study,
-    rows: &[&Entry],
-    x: impl Fn(&RunRow) -> Option<f64>,
-    name: impl Fn(&RunRow) -> String,
-) -> Vec<Trace> {
-    let curves = grouped(rows.iter().filter_map(|entry| {
-        let row = &entry.row;
-        let ended = matches!(row.status, Some(Status::Stable | Status::Limit | Status::Diverged));
-        let at = x(row).zip(row.filtered_error);
-        let (at, error) = at.filter(|(at, error)| ended && *at > 0.0 && *error > 0.0)?;
-        Some((name(row), (at, error, entry)))
-    }));
-    let mut traces = Vec::new();
-    for (index, (name, mut points)) in curves.into_iter().enumerate() {
-        let colour = COLOURS[index % COLOURS.len()];
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let marks = points.iter().map(|(_, _, entry)| match entry.row.status {
-            Some(Status::Stable) => colour,
-            _ => "#ffffff",
-        });
-        let marks: Vec<&str> = marks.collect();
-        let said = points.iter().map(|(_, _, entry)| {
-            let order = entry
-                .row
+/// Error over a quantity `x` of the rows of a sweep, one curve for each name.
+struct SweepPlot<'a> {
+    rows: Vec<&'a Entry>,
+    x: fn(&RunRow) -> Option<f64>,
+    traces: Vec<Trace>,
+}
+
+impl<'a> SweepPlot<'a> {
+    fn new(
+        study: &Study,
+        rows: impl Iterator<Item = &'a Entry>,
+        x: fn(&RunRow) -> Option<f64>,
+        name: impl Fn(&RunRow) -> String,
+    ) -> Self {
+        let rows: Vec<&Entry> = rows.collect();
+        let said = |row: &RunRow| {
+            let order = row
                 .order
                 .map_or_else(String::new, |order| format!("<br>order {order:.1}"));
-            format!("{}{order}", hover(study, &entry.row))
+            format!("{}{order}", hover(study, row))
+        };
+        let placed = rows.iter().filter_map(|entry| {
+            let at = x(&entry.row).zip(entry.row.filtered_error)?;
+            Some((name(&entry.row), (at, &entry.row)))
         });
-        let said: Vec<String> = said.collect();
-        let points = points.iter().map(|point| (point.0, point.1));
-        traces.push(marked(points, said, (colour, 1.8), marks).name(name));
+        let mut traces = Vec::new();
+        let curves = grouped(placed.filter(|(_, run)| is_shown(run)));
+        for (index, (name, mut runs)) in curves.into_iter().enumerate() {
+            runs.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
+            traces.extend(run_curve(runs, said, colour(index), 1.8).map(|curve| curve.name(name)));
+        }
+        Self { rows, x, traces }
     }
-    traces
-}
 
-/// An axis with marks at values that were run, and no others.
-fn marked_axis(
-    title: &str,
-    rows: &[&Entry],
-    x: impl Fn(&RunRow) -> Option<f64>,
-    text: impl Fn(f64) -> String,
-) -> plotly::layout::Axis {
-    let mut values: Vec<f64> = rows.iter().filter_map(|entry| x(&entry.row)).collect();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    let texts = values.iter().map(|value| text(*value)).collect();
-    logarithmic(title).tick_values(values).tick_text(texts)
-}
+    fn places(&self) -> impl Iterator<Item = f64> {
+        self.rows.iter().filter_map(|entry| (self.x)(&entry.row))
+    }
 
-/// A figure of the errors of these rows.
-fn drawn(traces: Vec<Trace>, x: plotly::layout::Axis, rows: &[&Entry], id: &str) -> String {
-    let errors = decades_of(ERROR, rows.iter().filter_map(|entry| entry.row.filtered_error));
-    finished(traces, layout(x, errors).hover_mode(HoverMode::Closest), id, 420)
+    fn figure(self, title: &str, id: &str, caption: &str) -> String {
+        let errors = decades_of(ERROR, self.rows.iter().filter_map(|entry| entry.row.filtered_error));
+        let axes = points(marked_axis(title, self.places()), errors);
+        figure(self.traces, axes, (id, 420), caption)
+    }
 }
 
 /// Error over elements.
 pub(super) fn mesh(study: &Study) -> String {
-    let rows: Vec<&Entry> = study
-        .of(Sweep::Mesh)
-        .filter(|entry| entry.row.macro_step.is_none())
-        .collect();
+    let rows = study.of(Sweep::Mesh).filter(|entry| entry.row.macro_step.is_none());
     let x = |row: &RunRow| row.elements_per_span.map(|count| count as f64);
-    let traces = sweep(study, &rows, x, |row| row.mesh.clone());
-    if traces.is_empty() {
-        return String::new();
-    }
-    let axis = marked_axis("elements per span and wire", &rows, x, |value| format!("{value}"));
-    let micro = rows.first().and_then(|entry| entry.row.micro_step);
-    format!(
-        "{}<p class=\"caption\">Micro step {} ms: where a curve flattens, the time step is what is left. Open marks: \
-         limit or diverged.</p>\n",
-        drawn(traces, axis, &rows, "plot-mesh"),
+    let plot = SweepPlot::new(study, rows, x, |row| row.mesh.clone());
+    let micro = plot.rows.first().and_then(|entry| entry.row.micro_step);
+    let caption = format!(
+        "Micro step {} ms: where a curve flattens, the time step is what is left. Open marks: limit or diverged.",
         milliseconds(micro)
-    )
+    );
+    plot.figure("elements per span and wire", "plot-mesh", &caption)
 }
 
 /// Error over the micro step.
 pub(super) fn micro_step(study: &Study) -> String {
-    let rows: Vec<&Entry> = study.of(Sweep::MicroStep).collect();
     let x = |row: &RunRow| Some(1e3 * row.micro_step?);
-    let traces = sweep(study, &rows, x, |row| row.mesh.clone());
-    if traces.is_empty() {
-        return String::new();
-    }
-    let axis = marked_axis("micro step [ms]", &rows, x, |value| {
-        format!("{}", (1e6 * value).round() / 1e6)
-    });
-    let elements = rows.iter().find_map(|entry| entry.row.elements_per_span);
-    format!(
-        "{}<p class=\"caption\">{}Where a curve flattens, the mesh is what is left.</p>\n",
-        drawn(traces, axis, &rows, "plot-micro"),
-        elements.map_or_else(String::new, |count| format!("{count} elements per span. "))
-    )
+    let plot = SweepPlot::new(study, study.of(Sweep::MicroStep), x, |row| row.mesh.clone());
+    let elements = plot.rows.iter().find_map(|entry| entry.row.elements_per_span);
+    let elements = elements.map_or_else(String::new, |count| format!("{count} elements per span. "));
+    let caption = format!("{elements}Where a curve flattens, the mesh is what is left.");
+    plot.figure("micro step [ms]", "plot-micro", &caption)
 }
 
 /// Error over the macro step.
 pub(super) fn coupling(study: &Study) -> String {
-    let rows: Vec<&Entry> = study.of(Sweep::Coupling).collect();
     let x = |row: &RunRow| Some(1e3 * row.macro_step?);
     let name = |row: &RunRow| match row.extrapolation {
-        Some(degree) if row.algorithm != crate::engine::table::AUTO => {
-            format!("{}, extrapolation {degree}", row.algorithm)
-        }
+        Some(degree) if row.algorithm != AUTO => format!("{}, extrapolation {degree}", row.algorithm),
         _ => row.algorithm.clone(),
     };
-    let mut traces = sweep(study, &rows, x, name);
-    if traces.is_empty() {
+    let mut plot = SweepPlot::new(study, study.of(Sweep::Coupling), x, name);
+    if plot.traces.is_empty() {
         return String::new();
     }
-    let alone = study.of(Sweep::Mesh).find(|entry| {
-        let same = |other: &&Entry| {
-            other.row.elements_per_span == entry.row.elements_per_span
-                && other.row.mesh == entry.row.mesh
-                && other.row.micro_step == entry.row.micro_step
-        };
-        entry.row.macro_step.is_none() && rows.iter().any(same)
+    let discretisation = |row: &RunRow| (row.elements_per_span, row.mesh.clone(), row.micro_step);
+    let alone = study.of(Sweep::Mesh).map(|entry| &entry.row).find(|row| {
+        let same = |other: &&Entry| discretisation(&other.row) == discretisation(row);
+        row.macro_step.is_none() && plot.rows.iter().any(same)
     });
-    if let Some(error) = alone
-        .and_then(|entry| entry.row.filtered_error)
-        .filter(|error| *error > 0.0)
-    {
-        let steps = || rows.iter().filter_map(|entry| x(&entry.row));
-        let ends = [steps().fold(f64::INFINITY, f64::min), steps().fold(0.0, f64::max)];
-        traces.push(dotted(
-            ends.to_vec(),
-            vec![error; 2],
-            &format!("one system: {error:.2} %"),
-            BOUND,
-        ));
+    let error = alone.and_then(|row| row.filtered_error);
+    if let Some(error) = error.filter(|error| *error > 0.0) {
+        let ends = [
+            plot.places().fold(f64::INFINITY, f64::min),
+            plot.places().fold(0.0, f64::max),
+        ];
+        let name = format!("one system: {error:.2} %");
+        plot.traces.push(dotted(ends.to_vec(), vec![error; 2], &name, BOUND));
     }
-    let axis = marked_axis("macro step [ms]", &rows, x, |value| {
-        format!("{}", (1e6 * value).round() / 1e6)
-    });
-    format!(
-        "{}<p class=\"caption\">In process, same mesh and micro step: what lies above the dotted line is the \
-         coupling's. FMUs compute the same.</p>\n",
-        drawn(traces, axis, &rows, "plot-coupling")
+    plot.figure(
+        "macro step [ms]",
+        "plot-coupling",
+        "In process, same mesh and micro step: what lies above the dotted line is the coupling's. FMUs compute the \
+         same.",
     )
 }
 
 /// Cost against the length of the line.
 pub(super) fn growth(study: &Study) -> String {
-    let rows: Vec<&Entry> = study
-        .of(Sweep::Spans)
-        .filter(|entry| entry.row.status == Some(Status::Stable))
-        .collect();
+    let rows: Vec<&Entry> = study.of(Sweep::Spans).filter(|entry| entry.row.is_stable()).collect();
     if rows.is_empty() {
         return String::new();
     }
-    let draw = |value: &dyn Fn(&Entry) -> Option<f64>, what: &str, dash: DashType| -> Vec<Trace> {
-        let mut traces: Vec<Trace> = Vec::new();
-        for (index, window) in [false, true].into_iter().enumerate() {
-            let colour = COLOURS[index];
-            let mut points: Vec<(f64, f64)> = rows
-                .iter()
-                .filter(|entry| Class::of(&entry.row.reduction).window == window)
-                .filter_map(|entry| Some((entry.spans? as f64, value(entry).filter(|value| *value > 0.0)?)))
-                .collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if points.is_empty() {
-                continue;
-            }
-            let name = format!("{}{what}", if window { "window" } else { "whole line" });
-            traces.push(
-                Scatter::new(
-                    points.iter().map(|point| point.0).collect(),
-                    points.iter().map(|point| point.1).collect(),
-                )
-                .mode(Draw::LinesMarkers)
-                .name(name)
-                .line(Line::new().color(colour).width(1.8).dash(dash.clone()))
-                .marker(Marker::new().color(colour).size(8)),
-            );
-        }
-        traces
-    };
-    let spans = |title: &str| {
-        let mut counts: Vec<f64> = rows
-            .iter()
-            .filter_map(|entry| entry.spans)
-            .map(|count| count as f64)
+    let spans = || marked_axis("spans", rows.iter().filter_map(|entry| Some(entry.spans? as f64)));
+    let draw = |value: fn(&Entry) -> Option<f64>, what: &str, dash: DashType| {
+        let line = |(index, line): (usize, &str)| {
+            let of_line = rows.iter();
+            let of_line = of_line.filter(|entry| usize::from(Class::of(&entry.row.reduction).window) == index);
+            let at = |entry: &&Entry| Some((entry.spans? as f64, value(entry).filter(|value| *value > 0.0)?));
+            let mut places: Vec<(f64, f64)> = of_line.filter_map(at).collect();
+            places.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let (x, y): (Vec<f64>, Vec<f64>) = places.into_iter().unzip();
+            let stroke = Line::new().color(colour(index)).width(1.8).dash(dash.clone());
+            let drawn = !x.is_empty();
+            let line = curve(x, y, &format!("{line}{what}"), colour(index), 1.8).mode(Draw::LinesMarkers);
+            let mark = Marker::new().color(colour(index)).size(8);
+            drawn.then(|| line.line(stroke).marker(mark))
+        };
+        let lines: Vec<Trace> = ["whole line", "window"]
+            .into_iter()
+            .enumerate()
+            .filter_map(line)
             .collect();
-        counts.sort_by(f64::total_cmp);
-        counts.dedup();
-        let texts = counts.iter().map(|count| format!("{count}")).collect();
-        logarithmic(title).tick_values(counts).tick_text(texts)
+        lines
     };
-    let mut time = draw(
-        &|entry| entry.row.real_time_factor,
-        ", time loop per simulated second",
-        DashType::Solid,
-    );
-    time.extend(draw(&|entry| entry.setup_s, ", statics and loading", DashType::Dot));
-    let memory = draw(
-        &|entry| entry.working_memory_bytes.map(|bytes| bytes as f64 / 1e6),
-        "",
-        DashType::Solid,
-    );
-    let walls = rows
-        .iter()
-        .flat_map(|entry| [entry.row.real_time_factor, entry.setup_s])
-        .flatten();
-    let axes = layout(spans("spans"), decades_of("wall time [s]", walls)).hover_mode(HoverMode::Closest);
-    let mut html = finished(time, axes, "plot-growth", 400);
+    let factor = |entry: &Entry| entry.row.real_time_factor;
+    let memory = |entry: &Entry| Some(entry.working_memory_bytes? as f64 / 1e6);
+    let mut time = draw(factor, ", time loop per simulated second", DashType::Solid);
+    time.extend(draw(|entry| entry.setup_s, ", statics and loading", DashType::Dot));
+    let walls = rows.iter().flat_map(|entry| [factor(entry), entry.setup_s]).flatten();
+    let touched = rows.iter().filter_map(|entry| memory(entry));
+    let time_axes = points(spans(), decades_of("wall time [s]", walls));
+    let memory_axes = points(spans(), decades_of("memory touched by the time loop [MB]", touched));
+    let mut html = finished(time, time_axes, "plot-growth", 400);
+    let memory = draw(memory, "", DashType::Solid);
     if !memory.is_empty() {
-        let touched = rows
-            .iter()
-            .filter_map(|entry| Some(entry.working_memory_bytes? as f64 / 1e6));
-        let axes = layout(
-            spans("spans"),
-            decades_of("memory touched by the time loop [MB]", touched),
-        );
-        html.push_str(&finished(
-            memory,
-            axes.hover_mode(HoverMode::Closest),
-            "plot-memory",
-            340,
-        ));
+        html.push_str(&finished(memory, memory_axes, "plot-memory", 340));
     }
     html.push_str(
         "<p class=\"caption\">The base case on lines of other lengths, one simulated second. Statics, loading and \

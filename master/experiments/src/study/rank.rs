@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::identity::{identity, settings};
 use super::options::Sweep;
-use super::outcome::{Study, label};
+use super::outcome::{Entry, Study, label};
 use super::pareto::{point, speed};
 use super::run_spec::Class;
 use super::text::known_to;
@@ -29,16 +29,10 @@ struct Ranks {
     runs: Vec<Ranked>,
 }
 
-/// Figures of one run.
+/// One run, and what is known of its reference.
 #[derive(Serialize, Deserialize)]
 struct Ranked {
-    row: RunRow,
-    rho_inf: f64,
-    newton_tolerance: f64,
-    pareto: bool,
-    settings: String,
-    /// `true` where it is a level of a reference.
-    level: bool,
+    entry: Entry,
     /// Difference of the last two levels of its reference, %.
     uncertainty: Option<f64>,
     /// Difference of its reference from another discretisation, %.
@@ -48,7 +42,9 @@ struct Ranked {
 impl Ranked {
     /// `true` where it is the run that judges the others: of all levels, that alone has no reference.
     fn is_reference(&self) -> bool {
-        self.level && self.row.reference.is_empty() && matches!(self.row.status, Some(Status::Stable | Status::Limit))
+        let row = &self.entry.row;
+        let ran = matches!(row.status, Some(Status::Stable | Status::Limit));
+        self.entry.is_in(Sweep::Reference) && row.reference.is_empty() && ran
     }
 }
 
@@ -64,12 +60,7 @@ pub fn keep_ranks(store: &Store, study: &Study) -> Result<(), ResultsError> {
     let runs = of_scene.map(|(index, entry)| {
         let reference = study.reference_of(index, entry);
         Ranked {
-            row: entry.row.clone(),
-            rho_inf: entry.rho_inf,
-            newton_tolerance: entry.newton_tolerance,
-            pareto: entry.pareto,
-            settings: entry.settings.clone(),
-            level: entry.sweep.split('+').any(|name| name == Sweep::Reference.name()),
+            entry: entry.clone(),
             uncertainty: reference.and_then(|found| found.uncertainty_percent),
             confirmed: reference.and_then(|found| found.confirmed_to_percent),
         }
@@ -85,47 +76,34 @@ pub fn keep_ranks(store: &Store, study: &Study) -> Result<(), ResultsError> {
 /// Pareto front; nothing where there is no study of this scene. Paths in the scene are relative to `base`.
 #[must_use]
 pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Option<String> {
-    let Ranks {
-        identity: of,
-        runs: rows,
-    } = Store::read_value(&folder.join(FOLDER), RANKS)?;
-    if rows.is_empty() || of != identity(scene, base) {
+    let Ranks { identity: of, runs } = Store::read_value(&folder.join(FOLDER), RANKS)?;
+    if runs.is_empty() || of != identity(scene, base) {
         return None;
     }
     let own = RunRow::planned("", scene, mode, scene.coupling.algorithm.name());
     let same_model = |read: &&Ranked| {
-        let row = &read.row;
+        let Entry { row, .. } = &read.entry;
         // Of two lengths that make as many elements, each makes as many in every interval.
-        let even = row.element_length.is_some() == own.element_length.is_some();
-        let mesh = row.elements_per_span == own.elements_per_span && row.mesh == own.mesh;
-        even && mesh
+        row.element_length.is_some() == own.element_length.is_some()
+            && row.elements_per_span == own.elements_per_span
+            && row.mesh == own.mesh
             && row.micro_step == own.micro_step
             && row.reduction == own.reduction
-            && read.rho_inf == scene.solver.rho_inf
-            && read.newton_tolerance == scene.solver.newton_tolerance
+            && read.entry.rho_inf == scene.solver.rho_inf
+            && read.entry.newton_tolerance == scene.solver.newton_tolerance
     };
-    let same_coupling = |read: &&Ranked| {
-        let row = &read.row;
-        row.algorithm == own.algorithm && row.extrapolation == own.extrapolation && row.macro_step == own.macro_step
-    };
+    let coupling = |row: &RunRow| (row.algorithm.clone(), row.extrapolation, row.macro_step);
+    let same_coupling = |read: &&Ranked| coupling(&read.entry.row) == coupling(&own);
+    let one_system = |read: &&Ranked| read.entry.row.macro_step.is_none();
     let intervals = scene.modelled_line().map_or(1, |(line, _)| line.intervals_per_span());
     let text = scene.to_toml();
     let [alone, coupled] = [false, true].map(|coupled| settings(&text, coupled));
-    let as_settled = |read: &&Ranked| {
-        let settled = if read.row.macro_step.is_some() {
-            &coupled
-        } else {
-            &alone
-        };
-        read.settings == *settled
-    };
-    let one_system = |read: &&Ranked| read.row.macro_step.is_none();
-    let of_spec = || rows.iter().filter(same_model).filter(same_coupling);
+    let as_settled = |read: &&Ranked| read.entry.settings == if one_system(read) { &*alone } else { &*coupled };
+    let of_model = || runs.iter().filter(same_model);
+    let of_spec = || of_model().filter(same_coupling);
     let exact = of_spec().find(as_settled);
-    let found = exact.or_else(|| rows.iter().filter(same_model).filter(one_system).find(as_settled));
-    let Some(found) = found else {
-        let mut others = rows.iter().filter(same_model);
-        return Some(if others.any(|read| same_coupling(&read) || one_system(&read)) {
+    let Some(found) = exact.or_else(|| of_model().filter(one_system).find(as_settled)) else {
+        return Some(if of_model().any(|read| same_coupling(&read) || one_system(&read)) {
             format!(
                 "the study in {CSV} was made with other keys of [catenary.mesh], [coupling] or [solver]: the error of \
                  this run is not known"
@@ -141,24 +119,20 @@ pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Opt
     } else {
         " without the coupling"
     };
-    let (mut text, row) = (said(found, part), &found.row);
+    let (mut text, row) = (said(found, part), &found.entry.row);
     let Some(own) = point(row) else {
         return Some(text);
     };
-    if found.pareto && exact.is_some() {
+    if found.entry.pareto && exact.is_some() {
         text.push_str("; no run of the study is both cheaper and more accurate");
     }
     let class = Class::of(&row.reduction);
-    let of_class = rows
-        .iter()
-        .filter(|read| read.pareto && Class::of(&read.row.reduction) == class);
-    let front: Vec<(&Ranked, Point)> = of_class.filter_map(|read| Some((read, point(&read.row)?))).collect();
-    for (what, (read, (factor, error))) in beside(own, &front) {
-        text.push_str(&format!(
-            "; {what}: {} ({error:.2} %, {})",
-            label(&read.row, intervals),
-            speed(factor)
-        ));
+    let front = runs.iter().map(|read| &read.entry);
+    let front = front.filter(|entry| entry.pareto && Class::of(&entry.row.reduction) == class);
+    let front: Vec<(&Entry, Point)> = front.filter_map(|entry| Some((entry, point(&entry.row)?))).collect();
+    for (what, (entry, (factor, error))) in beside(own, &front) {
+        let (name, speed) = (label(&entry.row, intervals), speed(factor));
+        text.push_str(&format!("; {what}: {name} ({error:.2} %, {speed})"));
     }
     Some(text)
 }
@@ -190,7 +164,7 @@ fn beside<T: Copy>(own: Point, front: &[(T, Point)]) -> Vec<(&'static str, (T, P
 
 /// Error and status of a row; `part` says what of the run it does not hold.
 fn said(found: &Ranked, part: &str) -> String {
-    let row = &found.row;
+    let row = &found.entry.row;
     let family = Class::of(&row.reduction).family.name();
     let known = known_to(found.uncertainty, found.confirmed);
     if found.is_reference() {
@@ -203,7 +177,7 @@ fn said(found: &Ranked, part: &str) -> String {
         ),
         None => format!("the study in {CSV} knows no error of this run{part}"),
     };
-    if let Some(status @ (Status::Limit | Status::Diverged | Status::Refused)) = row.status {
+    if let Some(status) = row.trouble() {
         text.push_str(&format!("; there it is {}", status.name()));
         if !row.reason.is_empty() {
             text.push_str(&format!(": {}", row.reason));

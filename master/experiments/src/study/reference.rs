@@ -1,5 +1,6 @@
 //! References: a run refined until two successive levels agree.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -7,15 +8,14 @@ use serde::Serialize;
 use super::options::{Options, Sweep};
 use super::plan::{StudyRun, base};
 use super::run_spec::{Family, Mesh, RunSpec, Subject};
-use crate::engine::Attempt;
-use crate::engine::ExperimentError;
 use crate::engine::table::{Errors, ForceCurve, NO_ERRORS, Status};
+use crate::engine::{Attempt, Unmade};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;
 
-/// Makes a run; nothing when the study is to end.
-pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Option<Arc<Attempt>>, ExperimentError> + 'a;
+/// Makes a run.
+pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Arc<Attempt>, Unmade> + 'a;
 
 /// Mesh of a reference that is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -29,8 +29,7 @@ pub enum Discretisation {
 
 impl Discretisation {
     /// The word of tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Corrected => "corrected",
             Self::Plain => "plain",
@@ -66,8 +65,7 @@ pub struct Refinement {
 
 impl Refinement {
     /// Difference of the last two levels, %: what is not known of the finest; `None` with one level.
-    #[must_use]
-    pub fn uncertainty(&self) -> Option<f64> {
+    pub(super) fn uncertainty(&self) -> Option<f64> {
         self.levels.last().and_then(|level| level.difference)
     }
 }
@@ -75,10 +73,7 @@ impl Refinement {
 /// Level `number` (from 0) of a refinement.
 fn level(subject: &Subject, family: Family, discretisation: Discretisation, number: u32) -> StudyRun {
     // Plain elements begin where corrected ones have their second level.
-    let both = subject
-        .corrections
-        .as_ref()
-        .is_some_and(|corrections| !corrections.is_empty());
+    let both = !subject.best_corrections().is_empty();
     let ahead = u32::from(discretisation == Discretisation::Plain && both);
     let elements = subject.elements << (number + ahead);
     let micro_step = 0.5 * subject.micro_step / f64::from(1_u32 << number);
@@ -102,14 +97,17 @@ fn level(subject: &Subject, family: Family, discretisation: Discretisation, numb
 }
 
 /// Work of the levels that a refinement is expected to need.
-#[must_use]
-pub fn expected_work(subject: &Subject, options: &Options, family: Family, discretisation: Discretisation) -> f64 {
+pub(super) fn expected_work(
+    subject: &Subject,
+    options: &Options,
+    family: Family,
+    discretisation: Discretisation,
+) -> f64 {
     let works = (0..3).map(|number| level(subject, family, discretisation, number).work);
     works.filter(|work| *work <= options.work).sum()
 }
 
-/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit; `run` makes a
-/// run, or returns nothing when the study is to end.
+/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit.
 ///
 /// # Errors
 /// Errors of `run`.
@@ -119,7 +117,7 @@ pub fn refine(
     family: Family,
     discretisation: Discretisation,
     run: &mut Run<'_>,
-) -> Result<Option<Refinement>, ExperimentError> {
+) -> Result<Refinement, Unmade> {
     let mut found = Refinement {
         family,
         discretisation,
@@ -137,18 +135,12 @@ pub fn refine(
             );
             break;
         }
-        let Some(made) = run(&planned)? else {
-            return Ok(None);
-        };
+        let made = run(&planned)?;
         if made.row.status == Some(Status::Refused) || !made.complete || made.curves.is_empty() {
-            let micro_step = 1e3 * planned.spec.micro_step;
+            let (level, micro_step) = (number + 1, 1e3 * planned.spec.micro_step);
             let mut row = made.row.clone();
             made.remarks.iter().for_each(|remark| row.remark(remark));
-            found.ended = format!(
-                "level {} (micro step {micro_step} ms) did not run: {}",
-                number + 1,
-                row.reason
-            );
+            found.ended = format!("level {level} (micro step {micro_step} ms) did not run: {}", row.reason);
             break;
         }
         let still = made.curves.iter().any(ForceCurve::is_still);
@@ -159,26 +151,18 @@ pub fn refine(
             made,
             difference,
         });
-        if difference.is_some_and(|difference| difference <= options.tolerance) {
-            found.converged = true;
-            found.ended.clear();
-            break;
-        }
-        if still {
-            found.ended = NO_ERRORS.to_owned();
+        found.converged = difference.is_some_and(|difference| difference <= options.tolerance);
+        if found.converged || still {
+            found.ended = if found.converged { "" } else { NO_ERRORS }.to_owned();
             break;
         }
     }
-    Ok(Some(found))
+    Ok(found)
 }
 
 /// Refinements that a study needs for its families.
-#[must_use]
-pub fn wanted(subject: &Subject, families: &[Family]) -> Vec<(Family, Discretisation)> {
-    let both = subject
-        .corrections
-        .as_ref()
-        .is_some_and(|corrections| !corrections.is_empty());
+pub(super) fn wanted(subject: &Subject, families: &BTreeSet<Family>) -> Vec<(Family, Discretisation)> {
+    let both = !subject.best_corrections().is_empty();
     let mut all = Vec::new();
     for &family in families {
         if both {
@@ -193,11 +177,9 @@ pub fn wanted(subject: &Subject, families: &[Family]) -> Vec<(Family, Discretisa
 }
 
 /// The reference of a family: the refinement that is known best.
-#[must_use]
-pub fn best(refinements: &[Refinement], family: Family) -> Option<&Refinement> {
-    let of_family = refinements
-        .iter()
-        .filter(|found| found.family == family && !found.levels.is_empty());
+pub(super) fn best(refinements: &[Refinement], family: Family) -> Option<&Refinement> {
+    let is = |found: &&Refinement| found.family == family && !found.levels.is_empty();
     let known = |found: &Refinement| found.uncertainty().unwrap_or(f64::INFINITY);
+    let of_family = refinements.iter().filter(is);
     of_family.min_by(|a, b| known(a).total_cmp(&known(b)))
 }

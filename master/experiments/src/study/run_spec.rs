@@ -1,7 +1,5 @@
 //! Run of a study: everything that a sweep may change.
 
-use std::fmt::Write as _;
-
 use scene::{Catenary, Division, Scene};
 
 use super::vehicle::{VehicleVariant, VehicleVariantName, own_name, vehicle_variants};
@@ -23,6 +21,12 @@ const CORRECTION_SETS: [&[&str]; 7] = [
     &["bending_layers"],
 ];
 
+/// Sets of corrections that go together, best first.
+pub(super) fn correction_sets() -> impl Iterator<Item = Vec<String>> {
+    let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
+    CORRECTION_SETS.iter().map(names)
+}
+
 /// Reductions that change the model: they are judged, and no reference has them.
 const APPROXIMATE: [&str; 4] = ["linearised", "flat", "window", "modal"];
 
@@ -43,8 +47,7 @@ impl Family {
     pub const ALL: [Self; 3] = [Self::Nonlinear, Self::Linearised, Self::Flat];
 
     /// The word of tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Nonlinear => "nonlinear",
             Self::Linearised => "linearised",
@@ -53,8 +56,7 @@ impl Family {
     }
 
     /// Value for a set of reductions, joined by `+`.
-    #[must_use]
-    pub fn of(reductions: &str) -> Self {
+    pub(super) fn of(reductions: &str) -> Self {
         let has = |name: &str| reductions.split('+').any(|reduction| reduction == name);
         if has(Self::Flat.name()) {
             Self::Flat
@@ -77,8 +79,7 @@ pub struct Class {
 
 impl Class {
     /// Value for a set of reductions, joined by `+`.
-    #[must_use]
-    pub fn of(reductions: &str) -> Self {
+    pub(super) fn of(reductions: &str) -> Self {
         Self {
             family: Family::of(reductions),
             window: reductions.split('+').any(|reduction| reduction == "window"),
@@ -86,8 +87,7 @@ impl Class {
     }
 
     /// Its name for reading.
-    #[must_use]
-    pub fn name(self) -> String {
+    pub(super) fn name(self) -> String {
         let window = if self.window { ", window" } else { ", whole line" };
         format!("{}{window}", self.family.name())
     }
@@ -183,23 +183,17 @@ pub struct Subject {
 impl Subject {
     /// Subject of a scene which `master check` accepts, as read with these overrides and as prepared; with other
     /// vehicles that the pantograph may stand on, which takes runs of the vehicle, where `vehicles` is true.
-    #[must_use]
-    pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
+    pub(super) fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
         let text = scene.to_toml();
         let line = scene.modelled_line().map(|(line, _)| line);
-        let reductions = scene
-            .model
-            .reductions
-            .iter()
-            .map(|reduction| reduction.name().to_owned());
+        let reductions = scene.model.reductions.iter().map(|reduction| reduction.name());
+        let exact = reductions.filter(|name| !APPROXIMATE.contains(name));
         let mut subject = Self {
             name: prepared.name.clone(),
             meshed: line.is_some(),
             one_system: OneSystem::can(&scene),
             corrections: None,
-            reductions: reductions
-                .filter(|name| !APPROXIMATE.contains(&name.as_str()))
-                .collect(),
+            reductions: exact.map(str::to_owned).collect(),
             keys: Keys::of(&scene, overrides),
             elements: line.map_or(1, |_| resolving_elements(&scene)),
             intervals: line.map_or(1, Catenary::intervals_per_span),
@@ -218,20 +212,14 @@ impl Subject {
     }
 
     /// Text of the scene that the keys of a run change.
-    #[must_use]
-    pub fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
-        spec.vehicle_variant
-            .as_ref()
-            .map_or(&self.text, |vehicle_variant| &vehicle_variant.text)
+    pub(super) fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
+        let other = spec.vehicle_variant.as_ref();
+        other.map_or(&self.text, |variant| &variant.text)
     }
 
     /// Vehicle below the pantograph of a run.
-    #[must_use]
-    pub fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
-        let other = spec
-            .vehicle_variant
-            .as_ref()
-            .map(|vehicle_variant| vehicle_variant.name);
+    pub(super) fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
+        let other = spec.vehicle_variant.as_ref().map(|variant| variant.name);
         other.unwrap_or_else(|| own_name(&self.scene))
     }
 
@@ -239,41 +227,31 @@ impl Subject {
         if !self.meshed {
             return None;
         }
-        let found = self
-            .correction_sets()
-            .into_iter()
-            .find(|corrections| self.takes(&self.at_base(corrections_key(corrections))));
-        found.or_else(|| self.takes(&self.at_base(corrections_key(&[]))).then(Vec::new))
-    }
-
-    /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
-    fn at_base(&self, key: String) -> Vec<String> {
+        // Beside the mesh and the step of the base case, which the scene's own may not go with.
         let mesh = division_key(Division::PerInterval(self.elements));
-        vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
+        let micro_step = format!("solver.micro_step={:?}", self.micro_step);
+        let goes =
+            |corrections: &Vec<String>| self.takes(&[mesh.clone(), micro_step.clone(), corrections_key(corrections)]);
+        correction_sets().chain([Vec::new()]).find(goes)
     }
 
-    /// Sets of corrections that go together, best first.
-    #[must_use]
-    pub fn correction_sets(&self) -> Vec<Vec<String>> {
-        let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
-        CORRECTION_SETS.iter().map(names).collect()
+    /// Corrections that the scene takes, all together; none where it takes none.
+    pub(super) fn best_corrections(&self) -> &[String] {
+        self.corrections.as_deref().unwrap_or_default()
     }
 
     /// `true` where the scene can be read with these keys too.
-    #[must_use]
-    pub fn takes(&self, overrides: &[String]) -> bool {
+    pub(super) fn takes(&self, overrides: &[String]) -> bool {
         system::load(&self.text, &self.name, overrides).is_ok()
     }
 
     /// `true` where the scene takes a set of reductions.
-    #[must_use]
-    pub fn takes_reductions(&self, reductions: &[String]) -> bool {
+    pub(super) fn takes_reductions(&self, reductions: &[String]) -> bool {
         self.meshed && self.takes(&[reduce_key(reductions)])
     }
 
     /// The scene's reductions and one more.
-    #[must_use]
-    pub fn with(&self, names: &[&str]) -> Vec<String> {
+    pub(super) fn with(&self, names: &[&str]) -> Vec<String> {
         let mut all = self.reductions.clone();
         for name in names {
             if !all.iter().any(|had| had == name) {
@@ -284,21 +262,18 @@ impl Subject {
     }
 
     /// Reductions that change nothing at all.
-    #[must_use]
-    pub fn exact(&self) -> Vec<String> {
+    pub(super) fn exact(&self) -> Vec<String> {
         let planar = self.meshed && self.scene.leaves_its_plane().is_none();
         if planar { vec!["planar".to_owned()] } else { Vec::new() }
     }
 
     /// The mesh with all corrections that the scene takes.
-    #[must_use]
-    pub fn corrected(&self, elements: usize) -> Mesh {
-        self.mesh(elements, self.corrections.clone().unwrap_or_default())
+    pub(super) fn corrected(&self, elements: usize) -> Mesh {
+        self.mesh(elements, self.best_corrections().to_vec())
     }
 
     /// A mesh with as many elements in each dropper interval, and some corrections.
-    #[must_use]
-    pub fn mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
+    pub(super) fn mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         if self.meshed {
             let division = Division::PerInterval(elements);
             Mesh::Of { division, corrections }
@@ -309,8 +284,7 @@ impl Subject {
 
     /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some
     /// corrections.
-    #[must_use]
-    pub fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
+    pub(super) fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
             division: catenary::mesh::evenly_divided(line, elements),
             corrections,
@@ -318,8 +292,7 @@ impl Subject {
     }
 
     /// Coupling of runs that are one system where that can be.
-    #[must_use]
-    pub fn plain_exchange(&self, micro_step: f64) -> Exchange {
+    pub(super) fn plain_exchange(&self, micro_step: f64) -> Exchange {
         if self.one_system {
             return Exchange::None;
         }
@@ -331,8 +304,7 @@ impl Subject {
     }
 
     /// Variant of the scene for a run.
-    #[must_use]
-    pub fn variant(&self, spec: &RunSpec) -> Variant {
+    pub(super) fn variant(&self, spec: &RunSpec) -> Variant {
         let mut keys = Vec::new();
         if let (Mesh::Of { division, corrections }, true) = (&spec.mesh, self.meshed) {
             keys.push(division_key(*division));
@@ -383,27 +355,21 @@ impl Subject {
     }
 
     /// Work of a run: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
-    #[must_use]
-    pub fn work(&self, spec: &RunSpec) -> f64 {
+    pub(super) fn work(&self, spec: &RunSpec) -> f64 {
         let has = |name: &str| spec.reductions.iter().any(|reduction| reduction == name);
         let line = self.scene.modelled_line().map(|(line, _)| line);
-        let elements = line.map_or(1, |line| {
-            line.elements_per_span(match spec.mesh {
-                Mesh::Of { division, .. } => division,
-                Mesh::Scene => line.mesh.division,
-            })
-        });
+        let division = |line: &Catenary| match spec.mesh {
+            Mesh::Of { division, .. } => division,
+            Mesh::Scene => line.mesh.division,
+        };
+        let elements = line.map_or(1, |line| line.elements_per_span(division(line)));
         let spans = spec.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
         /// Spans of a window, roughly.
         const WINDOW: usize = 10;
         let spans = if has("window") { spans.min(WINDOW) } else { spans };
         let per_node = if has("planar") { 4 } else { 6 };
         let coordinates = (2 * per_node * elements * spans) as f64;
-        let duration = if spec.spans.is_some() {
-            GROWTH_DURATION
-        } else {
-            self.scene.run.duration
-        };
+        let duration = spec.spans.map_or(self.scene.run.duration, |_| GROWTH_DURATION);
         let linear = if has("linearised") || has("flat") { 0.3 } else { 1.0 };
         let repeated = match &spec.exchange {
             // Repeated steps cost about three passes.
@@ -433,17 +399,6 @@ fn resolving_elements(scene: &Scene) -> usize {
     2_usize.pow((wanted.log2() - 0.1).ceil().clamp(0.0, 6.0) as u32)
 }
 
-fn list(names: &[String]) -> String {
-    let mut text = String::from("[");
-    for (index, name) in names.iter().enumerate() {
-        let comma = if index > 0 { ", " } else { "" };
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{comma}\"{name}\"");
-    }
-    text.push(']');
-    text
-}
-
 fn division_key(division: Division) -> String {
     match division {
         Division::PerInterval(count) => format!("catenary.mesh.elements_per_interval={count}"),
@@ -455,7 +410,7 @@ fn corrections_key(corrections: &[String]) -> String {
     if corrections.is_empty() {
         "catenary.mesh.corrections=none".to_owned()
     } else {
-        format!("catenary.mesh.corrections={}", list(corrections))
+        format!("catenary.mesh.corrections={corrections:?}")
     }
 }
 
@@ -463,6 +418,6 @@ fn reduce_key(reductions: &[String]) -> String {
     match reductions {
         [] => "model.reduce=none".to_owned(),
         [auto] if auto == AUTO => format!("model.reduce={AUTO}"),
-        reductions => format!("model.reduce={}", list(reductions)),
+        reductions => format!("model.reduce={reductions:?}"),
     }
 }

@@ -3,6 +3,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Division, Scene};
 
+use super::identity::{identity, settings};
+use super::page::page;
+use super::text::text;
 use super::*;
 use crate::engine::Table as _;
 use crate::engine::export::{Csv, Exporter as _};

@@ -1,13 +1,13 @@
 //! The table on the terminal.
 
 use super::options::Sweep;
-use super::outcome::{Reference, Study};
+use super::outcome::{Entry, Reference, Study};
 use super::page::vehicle_error;
 use super::pareto::speed;
-use crate::engine::Table as _;
-use crate::engine::export::{TextColumn, grouped, heading, text_cells, wrapped};
-use crate::engine::table::{RunRow, Status, milliseconds, short};
-use results::report::aligned;
+use super::run_spec::Class;
+use crate::engine::export::{grouped, scene_head, wrapped};
+use crate::engine::table::{RunRow, milliseconds, or_dash, short};
+use results::report::{TextColumn, aligned, heading, text_cells, text_table};
 
 /// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.
 pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {
@@ -36,10 +36,7 @@ const FRONT: &[TextColumn<RunRow, 2>] = &[
         "" => "  one system".to_owned(),
         algorithm => format!("  {algorithm}"),
     }),
-    (["elements", "per span"], |row| {
-        row.elements_per_span
-            .map_or_else(|| "–".to_owned(), |count| count.to_string())
-    }),
+    (["elements", "per span"], |row| or_dash(row.elements_per_span)),
     (["micro", "ms"], |row| milliseconds(row.micro_step)),
     (["macro", "ms"], |row| milliseconds(row.macro_step)),
     (["filtered", "rms % σ"], |row| short(row.filtered_error)),
@@ -56,41 +53,22 @@ const FRONT: &[TextColumn<RunRow, 2>] = &[
 ];
 
 /// References, front and recommendations, no wider than 120 columns.
-#[must_use]
-pub fn text(study: &Study) -> String {
-    let mut text = study.scene.clone();
-    if !study.title.is_empty() {
-        text.push_str(&format!(": {}", study.title));
-    }
-    text.push('\n');
-    if !study.complete {
-        text.push_str(&format!(
-            "INCOMPLETE: {} of {} runs\n",
-            study.made().0,
-            study.rows.len()
-        ));
-    }
+pub(super) fn text(study: &Study) -> String {
+    let mut text = scene_head(&study.scene, &study.title, study);
     for reference in study.references.iter().filter(|reference| reference.row.is_some()) {
         text.push('\n');
         text.push_str(&wrapped(&format!("reference {}", reference.name)));
         text.push_str(&wrapped(&format!("σ {} N, {}", short(reference.std), known(reference))));
     }
+    let front = || study.rows.iter().filter(|entry| entry.pareto).map(|entry| &entry.row);
+    let mut classes = grouped(front().map(|row| (Class::of(&row.reduction), row)));
+    classes.sort_by_key(|(class, _)| *class);
+    let cost = |row: &RunRow| row.real_time_factor.unwrap_or(f64::INFINITY);
     let mut rows = heading(FRONT);
-    let mut front: Vec<_> = study.rows.iter().filter(|entry| entry.pareto).collect();
-    front.sort_by(|a, b| {
-        let class = |entry: &super::Entry| super::Class::of(&entry.row.reduction);
-        let cost = |entry: &super::Entry| entry.row.real_time_factor.unwrap_or(f64::INFINITY);
-        class(a).cmp(&class(b)).then(cost(a).total_cmp(&cost(b)))
-    });
-    let mut last = String::new();
-    for entry in front {
-        let row = &entry.row;
-        let class = super::Class::of(&row.reduction).name();
-        if class != last {
-            rows.push(vec![format!("{class}:")]);
-            last = class;
-        }
-        rows.push(text_cells(FRONT, row));
+    for (class, mut of_class) in classes {
+        of_class.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        rows.push(vec![format!("{}:", class.name())]);
+        rows.extend(of_class.into_iter().map(|row| text_cells(FRONT, row)));
     }
     text.push('\n');
     text.push_str(&aligned(&rows));
@@ -98,13 +76,7 @@ pub fn text(study: &Study) -> String {
     for found in &study.recommendations {
         text.push_str(&wrapped(&format!("{}: {}", found.class, found.text)));
     }
-    if let Some(cheapest) = study
-        .rows
-        .iter()
-        .filter(|entry| entry.pareto)
-        .filter_map(|entry| entry.row.real_time_factor)
-        .reduce(f64::min)
-    {
+    if let Some(cheapest) = front().filter_map(|row| row.real_time_factor).reduce(f64::min) {
         text.push_str(&format!("  the cheapest run on a front is {}\n", speed(cheapest)));
     }
     text.push_str(&vehicles(study));
@@ -112,33 +84,31 @@ pub fn text(study: &Study) -> String {
     for note in &study.notes {
         text.push_str(&wrapped(note));
     }
-    let ended = study.rows.iter().map(|entry| &entry.row).filter_map(|row| {
-        let status = row.status.filter(|status| *status != Status::Stable)?;
-        Some((format!("{}: {}", status.name(), row.reason), ()))
-    });
+    let rows = study.rows.iter().map(|entry| &entry.row);
+    let ended = rows.filter_map(|row| Some((format!("{}: {}", row.trouble()?.name(), row.reason), ())));
     for (reason, runs) in grouped(ended) {
         text.push_str(&wrapped(&format!("{} × {reason}", runs.len())));
     }
     text
 }
 
+/// Columns of the vehicles.
+const VEHICLES: &[TextColumn<Entry, 1>] = &[
+    (["track"], |entry| entry.stands_on().track.to_owned()),
+    (["vehicle"], |entry| entry.stands_on().vehicle.to_owned()),
+    (["from the first, rms % σ"], |entry| {
+        short(vehicle_error(entry, entry.row.filtered_error))
+    }),
+    (["σ N"], |entry| short(entry.row.std)),
+    (["real-time factor"], |entry| short(entry.row.real_time_factor)),
+];
+
 /// Effect and cost of each model of the vehicle.
 fn vehicles(study: &Study) -> String {
-    let head = ["track", "vehicle", "from the first, rms % σ", "σ N", "real-time factor"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for entry in study.of(Sweep::Vehicle) {
-        let name = entry
-            .vehicle_variant
-            .map_or(["", ""], |name| [name.track, name.vehicle]);
-        let mut row = name.map(str::to_owned).to_vec();
-        row.extend([vehicle_error(entry, entry.row.filtered_error), entry.row.std].map(short));
-        row.push(short(entry.row.real_time_factor));
-        rows.push(row);
-    }
-    if rows.len() == 1 {
+    if study.of(Sweep::Vehicle).next().is_none() {
         return String::new();
     }
-    format!("\n{}\n", aligned(&rows))
+    format!("\n{}\n", aligned(&text_table(VEHICLES, study.of(Sweep::Vehicle))))
 }
 
 /// Names of corrections by their initials, for narrow tables: `contact_compliance+bending_layers` is `cc+bl`.

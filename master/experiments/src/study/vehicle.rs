@@ -65,8 +65,7 @@ const SAMPLES: f64 = 11.0;
 const TAIL: f64 = 10.0;
 
 /// Name of what the scene's pantographs stand on.
-#[must_use]
-pub fn own_name(scene: &Scene) -> VehicleVariantName {
+pub(super) fn own_name(scene: &Scene) -> VehicleVariantName {
     VehicleVariantName {
         vehicle: scene.vehicle.as_deref().map_or(NONE, Vehicle::name),
         track: OWN,
@@ -84,8 +83,7 @@ pub struct VehicleVariants {
 
 /// All that a scene is studied on; nothing where it has no vehicle. `micro_step` (s) is that of the run that gives a
 /// motion of the base.
-#[must_use]
-pub fn vehicle_variants(scene: &Scene, micro_step: f64) -> VehicleVariants {
+pub(super) fn vehicle_variants(scene: &Scene, micro_step: f64) -> VehicleVariants {
     let mut found = VehicleVariants::default();
     let Some(vehicle) = scene.vehicle.as_deref() else {
         return found;

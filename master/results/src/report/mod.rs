@@ -3,6 +3,7 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `html` | a self-contained page |
+//! | `rows` | tables of a page |
 //! | `label` | names of runs on one page |
 //! | `line` | page, tables and picture of a line at rest |
 //! | `verdict` | which limits fail, which hold, by how much |
@@ -18,6 +19,7 @@ mod label;
 mod line;
 pub mod plots;
 mod progress;
+mod rows;
 mod sections;
 mod table;
 #[cfg(test)]
@@ -30,8 +32,8 @@ pub use line::{
     LinePage, PageDropper, PageMass, PageRange, PageSpan, PageSupport, PageTension, PageWire, PageWireKind,
 };
 pub use progress::{Progress, Show};
-pub use table::aligned;
-pub use table::table;
+pub use rows::{PageColumn, cell, cells, heads, lined, scrolled, spanning};
+pub use table::{TextColumn, aligned, heading, number as decimals, table, text_cells, text_table};
 pub use verdict::failed_limits;
 
 use crate::RunBundle;

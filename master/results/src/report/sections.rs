@@ -1,11 +1,11 @@
 //! The sections of the report that are text and tables.
 
 use super::label::NamedRun;
-use super::plots::COLOURS;
+use super::plots::colour;
 use super::table::{MARKS, bounded, number, quantity_name, readable, shares, verdict};
-use super::{escape, remarks};
+use super::{PageColumn, cell, cells, escape, heads, lined, remarks};
 use crate::statistics::ForceStatistics;
-use crate::{Accuracy, RunBundle, Summary};
+use crate::{Accuracy, Part, RunBundle, Summary};
 
 /// Title of the page.
 pub(super) fn title(runs: &[RunBundle]) -> String {
@@ -63,14 +63,12 @@ fn notes(runs: &[NamedRun<'_>]) -> String {
 }
 
 /// Coloured square in front of a run's name, where several runs are shown.
-fn swatch(runs: &[NamedRun<'_>], colour: usize) -> String {
+fn swatch(runs: &[NamedRun<'_>], index: usize) -> String {
     if runs.len() < 2 {
         return String::new();
     }
-    format!(
-        "<span class=\"swatch\" style=\"background:{}\"></span>",
-        COLOURS[colour % COLOURS.len()]
-    )
+    let colour = colour(index);
+    format!("<span class=\"swatch\" style=\"background:{colour}\"></span>")
 }
 
 fn card(value: &str, unit: &str, name: &str) -> String {
@@ -258,24 +256,20 @@ pub(super) fn model(runs: &[NamedRun<'_>]) -> String {
             .map_or_else(String::new, |e| format!(", energy residual {e:.3e} J"));
         html.push_str(&format!(
             "<p>{} coordinates, {} constraints, {} elements; reductions: {reductions}.</p>\n\
-             <p>Coupling: <b>{}</b>{residual}. <span class=\"soft\">{}</span></p>\n\
-             <div class=\"scroll\"><table><thead><tr><th>part</th><th>modelled</th><th>how, or why not</th>\
-             </tr></thead><tbody>\n",
+             <p>Coupling: <b>{}</b>{residual}. <span class=\"soft\">{}</span></p>\n",
             s.model.coordinates,
             s.model.constraints,
             s.model.elements,
             escape(&s.coupling.algorithm),
             escape(&s.coupling.reason),
         ));
-        for part in &s.model.parts {
+        let part = |part: &Part| {
             let (class, text) = if part.modelled { ("good", "yes") } else { ("soft", "no") };
-            html.push_str(&format!(
-                "<tr><td class=\"s\">{}</td><td class=\"{class}\">{text}</td><td class=\"remark\">{}</td></tr>\n",
-                escape(&part.part.replace('_', " ")),
-                escape(&part.reason)
-            ));
-        }
-        html.push_str("</tbody></table></div>\n");
+            let name = escape(&part.part.replace('_', " "));
+            cell("s", &name) + &cell(class, text) + &cell("remark", &escape(&part.reason))
+        };
+        let head = "<th>part</th><th>modelled</th><th>how, or why not</th>";
+        html.push_str(&lined(head, s.model.parts.iter().map(part)));
         html.push_str(&accuracy(&s.accuracy));
         if !s.source.is_empty() {
             html.push_str(&format!(
@@ -310,37 +304,28 @@ fn accuracy(accuracy: &Accuracy) -> String {
 
 /// Cost of the runs.
 pub(super) fn cost(runs: &[NamedRun<'_>]) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table><thead><tr><th>run</th><th class=\"n\">time loop [s]</th>\
-         <th class=\"n\">setup [s]</th><th class=\"n\">simulated [s]</th><th class=\"n\">RTF</th>\
-         <th class=\"n\">macro steps</th><th class=\"n\">micro steps</th>\
-         <th class=\"n\">Newton iterations</th><th class=\"n\">factorizations</th>\
-         <th class=\"n\">rollbacks</th><th>time loop spent on</th></tr></thead><tbody>\n",
-    );
-    for run in runs {
-        let c = &run.summary.cost;
-        let cells: String = [
-            format!("{:.3}", c.wall_s),
-            format!("{:.3}", c.setup_s),
-            format!("{:.3}", c.simulated_s),
-            number(c.real_time_factor, 3),
-            c.macro_steps.to_string(),
-            c.micro_steps.to_string(),
-            c.newton_iterations.to_string(),
-            c.factorizations.to_string(),
-            c.rollbacks.to_string(),
-        ]
-        .iter()
-        .map(|cell| format!("<td class=\"n\">{cell}</td>"))
-        .collect();
-        html.push_str(&format!(
-            "<tr><td>{}</td>{cells}<td>{}</td></tr>\n",
-            escape(&run.label),
-            escape(&shares(c))
-        ));
-    }
-    html.push_str("</tbody></table></div>\n");
-    html
+    let columns: [PageColumn<NamedRun<'_>>; 11] = [
+        ("run", "", "", |run| escape(&run.label)),
+        ("time loop [s]", "", "n", |run| {
+            format!("{:.3}", run.summary.cost.wall_s)
+        }),
+        ("setup [s]", "", "n", |run| format!("{:.3}", run.summary.cost.setup_s)),
+        ("simulated [s]", "", "n", |run| {
+            format!("{:.3}", run.summary.cost.simulated_s)
+        }),
+        ("RTF", "", "n", |run| number(run.summary.cost.real_time_factor, 3)),
+        ("macro steps", "", "n", |run| run.summary.cost.macro_steps.to_string()),
+        ("micro steps", "", "n", |run| run.summary.cost.micro_steps.to_string()),
+        ("Newton iterations", "", "n", |run| {
+            run.summary.cost.newton_iterations.to_string()
+        }),
+        ("factorizations", "", "n", |run| {
+            run.summary.cost.factorizations.to_string()
+        }),
+        ("rollbacks", "", "n", |run| run.summary.cost.rollbacks.to_string()),
+        ("time loop spent on", "", "", |run| escape(&shares(&run.summary.cost))),
+    ];
+    lined(&heads(&columns), runs.iter().map(|run| cells(&columns, run)))
 }
 
 /// The resolved scenes, folded.

@@ -7,7 +7,7 @@ use crate::{Cost, Part, Summary};
 use component::Share;
 
 /// Text for a number that may be unknown, with `digits` after the point.
-pub(super) fn number(value: Option<f64>, digits: usize) -> String {
+pub fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
 }
 
@@ -102,34 +102,58 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
+/// Column of a table of text: lines of its heading, cell of an entry.
+pub type TextColumn<T, const N: usize> = ([&'static str; N], fn(&T) -> String);
+
+/// Lines of the headings of columns.
+pub fn heading<T, const N: usize>(columns: &[TextColumn<T, N>]) -> Vec<Vec<String>> {
+    let line = |n: usize| columns.iter().map(|(lines, _)| lines[n].to_owned()).collect();
+    (0..N).map(line).collect()
+}
+
+/// Cells of an entry.
+pub fn text_cells<T, const N: usize>(columns: &[TextColumn<T, N>], entry: &T) -> Vec<String> {
+    columns.iter().map(|(_, cell)| cell(entry)).collect()
+}
+
+/// A table of text, head and rows.
+pub fn text_table<'a, T: 'a, const N: usize>(
+    columns: &[TextColumn<T, N>],
+    entries: impl IntoIterator<Item = &'a T>,
+) -> Vec<Vec<String>> {
+    let rows = entries.into_iter().map(|entry| text_cells(columns, entry));
+    heading(columns).into_iter().chain(rows).collect()
+}
+
 fn row(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|c| (*c).to_owned()).collect()
 }
 
+/// Columns of the limits.
+const LIMITS: &[TextColumn<Limit, 1>] = &[
+    (["limit"], |limit| {
+        format!("{}, {}", limit.standard, quantity_name(limit))
+    }),
+    (["value"], |limit| number(readable(limit).0, 2)),
+    (["limit"], bounded),
+    (["unit"], |limit| readable(limit).2.to_owned()),
+    (["margin"], margin),
+    ([""], |limit| verdict(limit).to_owned()),
+    ([""], |limit| limit.certainty.mark().to_owned()),
+];
+
 /// The limits, failed ones first, then those with the least room; below the table each reason why one does not apply,
 /// once.
 fn limits(summary: &Summary) -> String {
-    let mut rows = vec![row(&["limit", "value", "limit", "unit", "margin", "", ""])];
-    let mut reasons: Vec<String> = Vec::new();
-    for limit in by_urgency(&summary.limits) {
-        let (value, _, unit) = readable(&limit);
-        rows.push(vec![
-            format!("{}, {}", limit.standard, quantity_name(&limit)),
-            number(value, 2),
-            bounded(&limit),
-            unit.to_owned(),
-            margin(&limit),
-            verdict(&limit).to_owned(),
-            limit.certainty.mark().to_owned(),
-        ]);
-        if !limit.applicable && !reasons.contains(&limit.reason) {
-            reasons.push(limit.reason);
-        }
-    }
-    let mut text = aligned(&rows);
+    let limits = by_urgency(&summary.limits);
+    let mut text = aligned(&text_table(LIMITS, &limits));
     text.push_str(&format!("  {MARKS}\n"));
-    for reason in reasons {
-        text.push_str(&format!("  not applicable: {reason}\n"));
+    let mut reasons: Vec<&str> = Vec::new();
+    for limit in limits.iter().filter(|limit| !limit.applicable) {
+        if !reasons.contains(&&*limit.reason) {
+            reasons.push(&limit.reason);
+            text.push_str(&format!("  not applicable: {}\n", limit.reason));
+        }
     }
     text
 }

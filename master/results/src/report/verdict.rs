@@ -2,7 +2,7 @@
 
 use super::label::NamedRun;
 use super::table::{number, quantity_name, readable};
-use super::{escape, table};
+use super::{cell, escape, head_cells, lined, table};
 use crate::Summary;
 use crate::standards::{Bound, Limit};
 
@@ -101,25 +101,20 @@ pub fn failed_limits(summary: &Summary) -> Vec<String> {
     said.collect()
 }
 
-/// Rows of the verdict: those that fail, or those that hold.
-fn rows(limits: &[Limit], pass: bool) -> String {
+/// Lines of the verdict: those that fail, or those that hold.
+fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
     let (class, word) = if pass { ("good", "holds") } else { ("bad", "FAILS") };
-    let mut html = String::new();
-    for limit in limits.iter().filter(|limit| limit.pass == Some(pass)) {
+    let limits = limits.iter().filter(move |limit| limit.pass == Some(pass));
+    limits.map(move |limit| {
         let (value, _, unit) = readable(limit);
-        html.push_str(&format!(
-            "<tr><td class=\"s\"><b class=\"{class}\">{word}</b></td><td>{} <span class=\"soft\">{} {}</span></td>\
-             <td class=\"n\">{} {}</td><td class=\"n\">{}</td><td class=\"n {class}\">{}</td></tr>\n",
-            escape(&quantity_name(limit)),
-            escape(&limit.standard),
-            limit.certainty.mark(),
-            number(value, 2),
-            escape(unit),
-            escape(&table::bounded(limit)),
-            margin(limit),
-        ));
-    }
-    html
+        let (name, mark) = (escape(&quantity_name(limit)), limit.certainty.mark());
+        let standard = escape(&limit.standard);
+        cell("s", &format!("<b class=\"{class}\">{word}</b>"))
+            + &cell("", &format!("{name} <span class=\"soft\">{standard} {mark}</span>"))
+            + &cell("n", &format!("{} {}", number(value, 2), escape(unit)))
+            + &cell("n", &escape(&table::bounded(limit)))
+            + &cell(&format!("n {class}"), &margin(limit))
+    })
 }
 
 /// Verdict on `limits` in one sentence, and a table of those that are decided.
@@ -133,12 +128,10 @@ pub(super) fn of_limits(limits: &[Limit]) -> String {
     let sentence = sentence(limits);
     let mut html = format!("<p class=\"verdict {class}\">{}</p>\n", escape(&sentence));
     if any(true) || any(false) {
-        html.push_str(&format!(
-            "<div class=\"scroll\"><table><thead><tr><th></th><th>limit</th><th class=\"n\">value</th>\
-             <th class=\"n\">limit</th><th class=\"n\">margin</th></tr></thead><tbody>\n{}{}</tbody></table></div>\n",
-            rows(limits, false),
-            rows(limits, true)
-        ));
+        let columns = [("limit", false), ("value", true), ("limit", true), ("margin", true)];
+        let head = head_cells(columns.map(|(name, is_number)| (name, "", is_number)));
+        let lines = lines(limits, false).chain(lines(limits, true));
+        html.push_str(&lined(&format!("<th></th>{head}"), lines));
     }
     html
 }

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{Exporter, Table};
-use crate::engine::table::{RunRow, STATUS_RULE, Status, milliseconds, significant};
+use crate::engine::table::{Cell as _, RunRow, STATUS_RULE, Status, milliseconds, significant};
 use results::ResultsError;
-use results::report::{escape, head_cells};
+use results::report::{PageColumn, cell, cells, escape, head_cells, lined};
 
 /// One file that needs no network.
 #[derive(Clone, Copy, Debug)]
@@ -19,26 +19,41 @@ impl Exporter for Html {
     }
 }
 
-/// A table that scrolls sideways on narrow screens; `head` and `body` are HTML.
-pub(crate) fn scrolled(head: &str, body: &str) -> String {
-    format!("<div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table></div>\n")
-}
-
-/// Column of a table on a page: heading, unit, class of its cells (`n` for numbers), and the cell of an entry as HTML.
-pub(crate) type PageColumn<T> = (&'static str, &'static str, &'static str, fn(&T) -> String);
-
-/// Headings of columns.
-pub(crate) fn heads<T>(columns: &[PageColumn<T>]) -> String {
-    head_cells(columns.iter().map(|&(name, unit, class, _)| (name, unit, class == "n")))
-}
-
-/// Cells of an entry.
-pub(crate) fn cells<T>(columns: &[PageColumn<T>], entry: &T) -> String {
-    let cell = |(_, _, class, cell): &PageColumn<T>| match *class {
-        "" => format!("<td>{}</td>", cell(entry)),
-        class => format!("<td class=\"{class}\">{}</td>", cell(entry)),
+/// Lines of runs, what is to be said of each under the pointer.
+pub(crate) fn run_lines<'a, T: 'a>(
+    columns: &[PageColumn<T>],
+    entries: impl IntoIterator<Item = &'a T>,
+    row: fn(&T) -> &RunRow,
+) -> String {
+    let line = |entry: &T| {
+        let cells = cells(columns, entry);
+        format!("<tr title=\"{}\">{cells}</tr>\n", escape(&row(entry).reason))
     };
-    columns.iter().map(cell).collect()
+    entries.into_iter().map(line).collect()
+}
+
+/// Reasons of runs, behind a heading that opens them: of each the runs in words, in cells of a class, and the reason;
+/// nothing where there is none.
+pub(crate) fn reasons(heading: &str, class: &str, said: Vec<(String, &str)>) -> String {
+    if said.is_empty() {
+        return String::new();
+    }
+    let line = |(runs, reason): (String, &str)| cell(class, &escape(&runs)) + &cell("remark", &escape(reason));
+    let head = head_cells([("runs", "", class == "n"), ("reason", "", false)]);
+    let table = lined(&head, said.into_iter().map(line));
+    format!("<details><summary>{heading}</summary>{table}</details>\n")
+}
+
+/// First lines of a page on one scene: its name, the number of runs by status, `more`, its source, a warning where runs
+/// are missing with `remedy` behind it.
+pub(crate) fn scene_lead(scene: &str, source: &str, table: &impl Table, more: &str, remedy: &str) -> String {
+    let rows = table.sheet().rows;
+    let (name, counts) = (escape(scene), status_counts(&rows));
+    let mut html = format!("<p><b>{name}</b> · {} runs: {counts}</p>\n{more}", rows.len());
+    if !source.is_empty() {
+        html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(source)));
+    }
+    html + &incomplete(table, remedy)
 }
 
 /// The rule of the status with its words in bold.
@@ -65,7 +80,7 @@ pub(crate) fn status_span(status: Option<Status>) -> String {
 }
 
 /// Number of rows with each status, in words.
-pub(crate) fn status_counts(rows: &[RunRow]) -> String {
+fn status_counts(rows: &[RunRow]) -> String {
     let count = |status: Status| {
         let count = rows.iter().filter(|row| row.status == Some(status)).count();
         (count > 0).then(|| format!("{count} {}", status.name()))
@@ -95,7 +110,7 @@ pub(crate) fn fixed(value: Option<f64>, digits: usize) -> String {
 
 /// A count, or nothing.
 pub(crate) fn count(value: Option<u64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
+    value.cell()
 }
 
 /// A step in ms, or nothing.

@@ -27,12 +27,11 @@ use results::{OutputDirectory, ResultsError};
 pub use self::csv::{Csv, write};
 pub use html::Html;
 pub(crate) use html::{
-    PageColumn, cells, count, fixed, heads, incomplete, number, scrolled, status_counts, status_rule, status_span,
-    status_word, step,
+    count, fixed, incomplete, number, reasons, run_lines, scene_lead, status_rule, status_span, status_word, step,
 };
 pub use json::Json;
 pub use text::Text;
-pub(crate) use text::{TextColumn, heading, text_cells, wrapped};
+pub(crate) use text::{scene_head, wrapped};
 
 /// Values under equal keys, in the order in which the keys come first.
 pub(crate) fn grouped<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {

@@ -1,13 +1,54 @@
 //! Curves of the pages' plots.
 
-use plotly::Scatter;
 use plotly::common::{DashType, HoverInfo, Line, Marker, Mode};
+use plotly::layout::{Axis, HoverMode};
+use plotly::{Layout, Scatter};
 
-/// A curve as plots take it.
-pub(crate) type Trace = Box<Scatter<f64, f64>>;
+use crate::engine::table::{RunRow, Status};
+use results::report::plots::{Trace, layout, logarithmic};
 
 /// Colour of bounds and of published values.
 pub(crate) const BOUND: &str = "#5b6675";
+
+/// Title of axes of errors.
+pub(crate) const ERROR: &str = "rms error of the filtered force [% of σ]";
+
+/// An axis with marks at values that were run, and no others.
+pub(crate) fn marked_axis(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    // Without rounding noise.
+    let texts = values.iter().map(|value| format!("{}", (1e6 * value).round() / 1e6));
+    logarithmic(title).tick_text(texts.collect()).tick_values(values)
+}
+
+/// Layout of a figure whose points are pointed at one by one.
+pub(crate) fn points(x: Axis, y: Axis) -> Layout {
+    layout(x, y).hover_mode(HoverMode::Closest)
+}
+
+/// `true` where a run that has ended has a place on logarithmic axes.
+pub(crate) fn is_shown((at, row): &((f64, f64), &RunRow)) -> bool {
+    let ended = row.status.is_some_and(|status| status != Status::Refused);
+    ended && at.0 > 0.0 && at.1 > 0.0
+}
+
+/// A curve through the runs that are shown, each with its place and a text under the pointer; open marks where a run is
+/// not stable. Nothing where none is shown.
+pub(crate) fn run_curve<'a>(
+    runs: impl IntoIterator<Item = ((f64, f64), &'a RunRow)>,
+    said: impl Fn(&RunRow) -> String,
+    colour: &'static str,
+    width: f64,
+) -> Option<Trace> {
+    let runs: Vec<_> = runs.into_iter().filter(is_shown).collect();
+    let mark = |(_, row): &(_, &RunRow)| if row.is_stable() { colour } else { "#ffffff" };
+    let said = runs.iter().map(|(_, row)| said(row)).collect();
+    let points = runs.iter().map(|(at, _)| *at);
+    let curve = || marked(points, said, (colour, width), runs.iter().map(mark).collect());
+    (!runs.is_empty()).then(curve)
+}
 
 /// A curve through points with this text under the pointer: a line of a colour and a width in px, marks in colours of
 /// their own.

@@ -17,18 +17,18 @@ impl Exporter for Text {
     }
 }
 
-/// Column of a table of text: lines of its heading, cell of an entry.
-pub(crate) type TextColumn<T, const N: usize> = ([&'static str; N], fn(&T) -> String);
-
-/// Lines of the headings of columns.
-pub(crate) fn heading<T, const N: usize>(columns: &[TextColumn<T, N>]) -> Vec<Vec<String>> {
-    let line = |n: usize| columns.iter().map(|(lines, _)| lines[n].to_owned()).collect();
-    (0..N).map(line).collect()
-}
-
-/// Cells of an entry.
-pub(crate) fn text_cells<T, const N: usize>(columns: &[TextColumn<T, N>], entry: &T) -> Vec<String> {
-    columns.iter().map(|(_, cell)| cell(entry)).collect()
+/// First lines of the tables of one scene: its name and title, and whether runs are missing.
+pub(crate) fn scene_head(scene: &str, title: &str, table: &impl Table) -> String {
+    let mut text = scene.to_owned();
+    if !title.is_empty() {
+        text.push_str(&format!(": {title}"));
+    }
+    text.push('\n');
+    if !table.is_complete() {
+        let (made, all) = table.made();
+        text.push_str(&format!("INCOMPLETE: {made} of {all} runs\n"));
+    }
+    text
 }
 
 /// A remark in lines of at most 116 characters, indented.

@@ -1,4 +1,6 @@
-//! Numbers as tables and pages show them.
+//! Numbers and names as tables and pages show them.
+
+use std::borrow::Borrow;
 
 /// Three significant digits, where there is a number.
 pub(crate) fn significant(value: Option<f64>) -> Option<String> {
@@ -13,12 +15,25 @@ pub(crate) fn significant(value: Option<f64>) -> Option<String> {
     })
 }
 
+/// A value as text, or `–`.
+pub(crate) fn or_dash(value: Option<impl ToString>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| value.to_string())
+}
+
 /// Three significant digits, or `–`.
 pub(crate) fn short(value: Option<f64>) -> String {
-    significant(value).unwrap_or_else(|| "–".to_owned())
+    or_dash(significant(value))
 }
 
 /// Milliseconds without rounding noise.
 pub(crate) fn milliseconds(step: Option<f64>) -> String {
-    step.map_or_else(|| "–".to_owned(), |step| format!("{}", (1e9 * step).round() / 1e6))
+    or_dash(step.map(|step| (1e9 * step).round() / 1e6))
+}
+
+/// Names joined by `+`, or the word for none.
+pub(crate) fn joined<S: Borrow<str>>(names: &[S], none: &str) -> String {
+    if names.is_empty() {
+        return none.to_owned();
+    }
+    names.join("+")
 }

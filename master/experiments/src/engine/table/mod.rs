@@ -19,7 +19,7 @@ mod tests;
 
 pub use columns::{Column, Columns};
 pub use curve::{Errors, ForceCurve, NO_ERRORS, pointwise_rms};
-pub(crate) use format::{milliseconds, short, significant};
+pub(crate) use format::{joined, milliseconds, or_dash, short, significant};
 pub use keys::{AUTO, Keys, macro_step};
 pub(crate) use row::Cell;
 pub use row::{RunRow, observed_orders};

@@ -3,7 +3,7 @@
 use scene::{Catenary, Division, Scene};
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Status};
+use super::{Errors, Status, joined};
 use results::{RunInfo, Summary};
 use simulation::Mode;
 
@@ -137,34 +137,42 @@ impl RunRow {
     #[must_use]
     pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
         let coupled = mode != Mode::Monolithic;
-        let macro_step = scene.coupling.macro_step;
-        let micro = scene.internal_step();
         let line = scene.modelled_line().map(|(line, _)| line);
-        let reductions: Vec<&str> = scene
-            .model
-            .reductions
-            .iter()
-            .map(|reduction| reduction.name())
-            .collect();
+        let reductions = scene.model.reductions.iter();
+        let reductions: Vec<&str> = reductions.map(|reduction| reduction.name()).collect();
         let mut row = Self {
             scene: name.to_owned(),
             mode: mode.name().to_owned(),
             algorithm: if coupled { algorithm.to_owned() } else { String::new() },
             extrapolation: coupled.then_some(scene.coupling.extrapolation as u64),
-            macro_step: coupled.then_some(macro_step),
-            micro_step: Some(micro),
+            macro_step: coupled.then_some(scene.coupling.macro_step),
+            micro_step: Some(scene.internal_step()),
             mesh: line.map_or_else(String::new, |line| line.mesh.name()),
-            reduction: if reductions.is_empty() {
-                "none".to_owned()
-            } else {
-                reductions.join("+")
-            },
+            reduction: joined(&reductions, "none"),
             ..Self::default()
         };
         if let Some(line) = line {
             row.divide(line, line.mesh.division);
         }
         row
+    }
+
+    /// `true` where the run is stable.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        self.status == Some(Status::Stable)
+    }
+
+    /// The status of a run that is not stable; nothing where it is, or has not been made.
+    #[must_use]
+    pub fn trouble(&self) -> Option<Status> {
+        self.status.filter(|status| *status != Status::Stable)
+    }
+
+    /// Takes in a status and, where there is one, its reason.
+    pub fn judge(&mut self, (status, reason): (Status, String)) {
+        self.status = Some(status);
+        self.remark(&reason);
     }
 
     /// Takes in the elements of a line that is so divided.
@@ -206,12 +214,13 @@ impl RunRow {
         self.factorizations = Some(info.cost.factorizations);
     }
 
-    /// Takes in the wall times of all runs that were timed, s; there is at least one.
-    pub fn timed(&mut self, walls: &mut [f64]) {
-        let was = self.wall;
-        let wall = crate::engine::median(walls);
+    /// Takes in the wall times of all runs that were timed, s.
+    pub fn timed(&mut self, walls: &[f64]) {
+        let Some(wall) = crate::engine::median(walls) else {
+            return;
+        };
         // Wall time over simulated time: both grow alike.
-        self.real_time_factor = match (self.real_time_factor, was) {
+        self.real_time_factor = match (self.real_time_factor, self.wall) {
             (Some(factor), Some(was)) if was > 0.0 => Some(factor / was * wall),
             (factor, _) => factor,
         };
@@ -252,20 +261,16 @@ pub fn observed_orders(rows: &mut [RunRow]) {
         (Some(Status::Stable), Some(step), Some(error)) if error > 0.0 && error.is_finite() => Some((step, error)),
         _ => None,
     };
-    let orders: Vec<Option<f64>> = rows
-        .iter()
-        .map(|row| {
-            let (step, error) = point(row)?;
-            let smaller = rows
-                .iter()
-                .filter(|other| other.method() == row.method() && other.macro_step.is_some_and(|other| other < step));
-            // The neighbour must itself be stable: no order across a step that is not.
-            let neighbour =
-                smaller.max_by(|a, b| a.macro_step.unwrap_or(0.0).total_cmp(&b.macro_step.unwrap_or(0.0)))?;
-            let (before, was) = point(neighbour)?;
-            Some((error / was).ln() / (step / before).ln())
-        })
-        .collect();
+    let order = |row: &RunRow| {
+        let (step, error) = point(row)?;
+        let of_method = rows.iter().filter(|other| other.method() == row.method());
+        let smaller = of_method.filter_map(|other| Some((other.macro_step.filter(|other| *other < step)?, other)));
+        // The neighbour must itself be stable: no order across a step that is not.
+        let (_, neighbour) = smaller.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (before, was) = point(neighbour)?;
+        Some((error / was).ln() / (step / before).ln())
+    };
+    let orders: Vec<Option<f64>> = rows.iter().map(order).collect();
     for (row, order) in rows.iter_mut().zip(orders) {
         row.order = order;
     }

@@ -64,31 +64,28 @@ impl Status {
         if !complete {
             return (Self::Diverged, String::new());
         }
-        let known = [row.mean, row.std]
-            .iter()
-            .all(|value| value.is_some_and(f64::is_finite));
-        if !known {
+        if ![row.mean, row.std]
+            .into_iter()
+            .all(|value| value.is_some_and(f64::is_finite))
+        {
             return (Self::Diverged, "the contact force is not finite".to_owned());
         }
         let Some(errors) = errors else {
             return (Self::Stable, String::new());
         };
         let above = |error: Option<f64>, bound: f64| error.is_none_or(|error| error.is_nan() || error > bound);
+        let wrong =
+            |what: &str, by: f64| format!("the {what} force is wrong by more than {by} % of the standard deviation");
         if above(errors.filtered, RUNAWAY) {
-            let reason = format!("the filtered force is wrong by more than {RUNAWAY} % of the standard deviation");
-            return (Self::Diverged, reason);
+            return (Self::Diverged, wrong("filtered", RUNAWAY));
         }
-        let (loss, expected) = (
-            row.loss.unwrap_or(0.0),
-            reference.and_then(|row| row.loss).unwrap_or(0.0),
-        );
+        let [loss, expected] = [Some(row), reference].map(|row| row.and_then(|row| row.loss).unwrap_or(0.0));
         if loss > 2.0 * expected + LOSS {
             let reason = format!("contact is lost for {loss:.2} % of the time, in the reference for {expected:.2} %");
             return (Self::Limit, reason);
         }
         if above(errors.raw, RAW_ERROR) {
-            let reason = format!("the raw force is wrong by more than {RAW_ERROR} % of the standard deviation");
-            return (Self::Limit, reason);
+            return (Self::Limit, wrong("raw", RAW_ERROR));
         }
         (Self::Stable, String::new())
     }
@@ -102,10 +99,8 @@ impl Status {
             return (self, String::new());
         }
         let verb = if share > 0.0 { "added" } else { "took" };
-        let reason = format!(
-            "the coupling {verb} {:.1} % of the work that crossed the contact",
-            percent.abs()
-        );
+        let percent = percent.abs();
+        let reason = format!("the coupling {verb} {percent:.1} % of the work that crossed the contact");
         (Self::Limit, reason)
     }
 }

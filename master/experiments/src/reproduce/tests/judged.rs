@@ -1,7 +1,8 @@
-use super::super::{Relation, SAME_SIZE, Spread, VISIBLE, Verdict, judge, text};
-use super::{line, reproduction};
+use super::super::verdict::{SAME_SIZE, VERDICT_RULE, VISIBLE, judge};
+use super::super::{Relation, Spread, Verdict};
+use super::{line, page, reproduction, text};
 use crate::engine::table::{RunRow, Status};
-use crate::reproduce::{Mesh, RunGroup, page};
+use crate::reproduce::{Mesh, RunGroup};
 
 /// Verdict of a computed change, both in %.
 fn verdict(published: f64, computed: f64) -> Verdict {
@@ -59,7 +60,7 @@ fn the_bounds_of_a_verdict_are_the_stated_ones() {
         assert_eq!(judge(published, missing).0, Verdict::NotComputed);
     }
     // The rule in words has the same bounds.
-    assert!(crate::reproduce::VERDICT_RULE.contains(&format!("below {VISIBLE} %")));
+    assert!(VERDICT_RULE.contains(&format!("below {VISIBLE} %")));
 }
 
 #[test]

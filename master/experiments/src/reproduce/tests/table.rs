@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
 use super::super::open::OPEN;
-use super::{line, reproduction};
+use super::{line, page, plan, reproduction, text};
 use crate::engine::table::{Column, ForceCurve, RunRow, Status};
 use crate::engine::{Exporter as _, Sheet, Table as _, export};
-use crate::reproduce::{Mesh, Reproduction, RunGroup, page, plan, text};
+use crate::reproduce::{Mesh, Reproduction, RunGroup};
 use simulation::Mode;
 
 /// The table as a program reads it: each row by the names of its columns.

@@ -23,6 +23,9 @@ const PALE: [&str; 7] = [
     "#b5cbe4", "#f0cbae", "#b3d6c1", "#e0bcd9", "#dcd09f", "#bfe1ed", "#e6b8b5",
 ];
 
+/// A curve as plots take it.
+pub type Trace = Box<Scatter<f64, f64>>;
+
 const GRID: &str = "#e6eaee";
 const MARK: &str = "#aeb7c2";
 const TEXT: &str = "#5b6675";
@@ -153,13 +156,22 @@ pub fn layout(x: Axis, y: Axis) -> Layout {
         .show_legend(true)
 }
 
+/// Colour of the curve of this number.
+pub fn colour(index: usize) -> &'static str {
+    COLOURS[index % COLOURS.len()]
+}
+
+/// [`finished`] with its caption, which is HTML; nothing where nothing is drawn.
+pub fn figure(traces: Vec<Trace>, layout: Layout, (id, height): (&str, u32), caption: &str) -> String {
+    if traces.is_empty() {
+        return String::new();
+    }
+    let drawn = finished(traces, layout, id, height);
+    format!("{drawn}<p class=\"caption\">{caption}</p>\n")
+}
+
 /// Figure of `height` px as HTML with this `id`; plotly.js itself is elsewhere on the page.
-pub fn finished(
-    traces: impl IntoIterator<Item = Box<Scatter<f64, f64>>>,
-    layout: Layout,
-    id: &str,
-    height: u32,
-) -> String {
+pub fn finished(traces: impl IntoIterator<Item = Trace>, layout: Layout, id: &str, height: u32) -> String {
     let mut plot = Plot::new();
     for trace in traces {
         plot.add_trace(trace);
@@ -174,7 +186,8 @@ pub fn finished(
     plot_html(&plot, id, height)
 }
 
-fn curve(x: Vec<f64>, y: Vec<f64>, name: &str, colour: &'static str, width: f64) -> Box<Scatter<f64, f64>> {
+/// A line through points, with a name, of a colour and a width in px.
+pub fn curve(x: Vec<f64>, y: Vec<f64>, name: &str, colour: &'static str, width: f64) -> Trace {
     Scatter::new(x, y)
         .mode(Mode::Lines)
         .name(name)

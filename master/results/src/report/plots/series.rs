@@ -4,7 +4,7 @@ use plotly::Scatter;
 use plotly::common::{DashType, Line, Mode, Visible};
 use plotly::layout::RangeMode;
 
-use super::{COLOURS, Curve, MARK, PALE, axis, band, curve, finished, layout, mark, name, rounded, vertical};
+use super::{Curve, MARK, PALE, axis, band, colour, curve, figure, finished, layout, mark, name, rounded, vertical};
 use crate::LineGeometry;
 use crate::report::escape;
 use crate::report::label::NamedRun;
@@ -57,7 +57,7 @@ pub(super) fn force(curves: &[Curve]) -> String {
                 x.clone(),
                 rounded(&force, 1e2),
                 &name(&what, &c.label),
-                COLOURS[i % COLOURS.len()],
+                colour(i),
                 1.8,
             ));
         }
@@ -91,11 +91,12 @@ pub(super) fn force(curves: &[Curve]) -> String {
         .show_grid(false);
     let y_axis = axis("contact force [N]").range_mode(RangeMode::ToZero);
     let layout = layout(x_axis, y_axis).shapes(shapes).annotations(notes);
-    format!(
-        "{}<p class=\"caption\">Dotted lines: supports with their numbers. Ticks along the axis: \
-         droppers. Shaded: evaluation range. In all \
-         plots: drag to zoom, double-click to go back, click in the legend to switch a curve.</p>\n",
-        finished(raw, layout, "plot-force", 420)
+    figure(
+        raw,
+        layout,
+        ("plot-force", 420),
+        "Dotted lines: supports with their numbers. Ticks along the axis: droppers. Shaded: evaluation range. In all \
+         plots: drag to zoom, double-click to go back, click in the legend to switch a curve.",
     )
 }
 
@@ -108,11 +109,8 @@ pub(super) fn uplift(runs: &[NamedRun<'_>]) -> String {
                 continue;
             }
             // One run: colours tell the supports apart. Several: colours are runs, dashes supports.
-            let (colour, dash) = if runs.len() > 1 { (r, k % DASHES.len()) } else { (k, 0) };
-            let line = Line::new()
-                .color(COLOURS[colour % COLOURS.len()])
-                .width(1.6)
-                .dash(DASHES[dash].clone());
+            let (index, dash) = if runs.len() > 1 { (r, k % DASHES.len()) } else { (k, 0) };
+            let line = Line::new().color(colour(index)).width(1.6).dash(DASHES[dash].clone());
             let label = if runs.len() > 1 {
                 escape(&run.label)
             } else {
@@ -143,24 +141,15 @@ pub(super) fn wind(curves: &[Curve]) -> String {
     for (i, c) in curves.iter().enumerate() {
         let Some(wind) = &c.strip.wind else { continue };
         let time = rounded(&c.run.record.time, 1e4);
-        for (what, force, colour) in [("drag", &wind.drag, 2 * i), ("lift", &wind.lift, 2 * i + 1)] {
-            let colour = COLOURS[colour % COLOURS.len()];
+        for (what, force, index) in [("drag", &wind.drag, 2 * i), ("lift", &wind.lift, 2 * i + 1)] {
             let name = name(what, &c.label);
-            traces.push(curve(time.clone(), rounded(force, 1e2), &name, colour, 1.4));
+            traces.push(curve(time.clone(), rounded(force, 1e2), &name, colour(index), 1.4));
         }
     }
-    if traces.is_empty() {
-        return String::new();
-    }
-    let drawn = finished(
+    figure(
         traces,
         layout(axis("time [s]").zero_line(false), axis("force of the wind [N]")),
-        "plot-wind",
-        320,
-    );
-    format!(
-        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift \
-         across it, positive \
-         upward.</p>\n"
+        ("plot-wind", 320),
+        "On the body that carries the strip: drag along the air that meets it, lift across it, positive upward.",
     )
 }
