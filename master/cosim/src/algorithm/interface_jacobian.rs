@@ -41,8 +41,8 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 const LEAST_GAIN: f64 = 0.05;
 
 /// `ωh`, or `√(6 |J|)`, that `coupling.force_tolerance` is meant for, –: that of usual heads in steps of 5 ms. A force
-/// that is left over acts for one step, until the next one makes up for it: in a shorter step the same impulse is that of
-/// a larger force.
+/// that is left over acts for one step, until the next one makes up for it: in a shorter step the same impulse is that
+/// of a larger force.
 const STEP_OF_TOLERANCE: f64 = 0.4;
 
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
@@ -67,8 +67,8 @@ const STEP_OF_TOLERANCE: f64 = 0.4;
 /// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian `J = d(mean
 /// answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once by a
 /// rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
-/// further pass would change the force by no more than the tolerance, `|J r| ≤ tolerance`, or its impulse by no more than
-/// that in a step of `ωh` = 0.4.
+/// further pass would change the force by no more than the tolerance, `|J r| ≤ tolerance`, or its impulse by no more
+/// than that in a step of `ωh` = 0.4.
 pub struct InterfaceJacobian {
     force: Force,
     degree: usize,
