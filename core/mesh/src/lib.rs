@@ -31,7 +31,7 @@ use scene::{Files, Scene, SceneError, SceneFile, What};
 /// mesh, and checks it.
 ///
 /// # Errors
-/// Every problem found; see [`Scene::from_toml`], [`resolve`] and [`contradictions`].
+/// Every problem found; see [`Scene::from_toml`], [`resolve()`] and [`contradictions`].
 pub fn load(text: &str, origin: &str, overrides: &[String]) -> Result<Scene, SceneError> {
     load_with(text, origin, overrides, &Files::none())
 }

@@ -3,7 +3,7 @@
 use super::verdict::{by_urgency, margin, sentence};
 use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
-use crate::{Cost, Part, Summary};
+use crate::{Accuracy, Cost, Part, Summary};
 use component::Share;
 
 /// Text for a number that may be unknown, with `digits` after the point.
@@ -211,7 +211,22 @@ fn modelled(summary: &Summary) -> String {
             .energy_residual
             .map_or_else(|| "–".to_owned(), |e| format!("{e:.2e}")),
     ));
+    text.push_str(&expected_error(&summary.accuracy));
     text
+}
+
+/// Expected error with its causes, where a rule is known.
+fn expected_error(accuracy: &Accuracy) -> String {
+    let causes: Vec<String> = (accuracy.shares.iter())
+        .filter(|share| share.percent > 0.0)
+        .map(|share| format!("{} {:.2}", share.cause.replace('_', " "), share.percent))
+        .collect();
+    accuracy.expected_percent.map_or_else(String::new, |sum| {
+        format!(
+            "  expected error of the filtered force: {sum:.2} % of its standard deviation ({})\n",
+            causes.join(", ")
+        )
+    })
 }
 
 /// Time, steps and iterations of the run.
