@@ -63,8 +63,19 @@ pub(crate) fn free_step(root: &mut Table) {
         root.node_at(path)
             .is_some_and(|node| matches!(node.at, At::Override(_)))
     };
-    if of_override("catenary.mesh.error_percent") && !of_override("solver.micro_step") {
-        root.take_at("solver.micro_step");
+    if of_override("catenary.mesh.error_percent") {
+        take_of_files(root, ["solver.micro_step"]);
+    }
+}
+
+/// Takes out keys with these paths that files gave, but for tables: how macro steps are controlled is more than their
+/// length.
+fn take_of_files<'a>(root: &mut Table, paths: impl IntoIterator<Item = &'a str>) {
+    let of_a_file = |node: &Node| !matches!(node.at, At::Override(_)) && !matches!(node.value, Value::Table(_));
+    for path in paths {
+        if root.node_at(path).is_some_and(of_a_file) {
+            root.take_at(path);
+        }
     }
 }
 
@@ -84,15 +95,7 @@ pub(crate) fn left_open(root: &mut Table) -> Open {
     let beam = says(root, "catenary.mesh.element", "beam");
     if matches!(at, At::Override(_)) {
         let mesh: &[&str] = if beam { &[] } else { &MESH };
-        for path in mesh.iter().chain(&OTHERS) {
-            let of_a_file = |node: &Node| {
-                // How macro steps are controlled is more than their length.
-                !matches!(node.at, At::Override(_)) && !matches!(node.value, Value::Table(_))
-            };
-            if root.node_at(path).is_some_and(of_a_file) {
-                root.take_at(path);
-            }
-        }
+        take_of_files(root, mesh.iter().chain(&OTHERS).copied());
     }
     let supplied_line = root.has("catenary.fmu");
     let supplied_pantograph = match root.node("pantograph").map(|node| &node.value) {

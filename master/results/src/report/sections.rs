@@ -2,7 +2,7 @@
 
 use super::label::NamedRun;
 use super::plots::colour;
-use super::table::{MARKS, bounded, number, quantity_name, readable, shares, verdict};
+use super::table::{MARKS, bounded, cause, number, quantity_name, readable, shares, verdict};
 use super::{PageColumn, cell, cells, escape, heads, lined, remarks};
 use crate::statistics::ForceStatistics;
 use crate::{Accuracy, Part, RunBundle, Summary};
@@ -287,9 +287,7 @@ fn accuracy(accuracy: &Accuracy) -> String {
         return String::new();
     };
     let asked = (accuracy.asked_percent).map_or_else(String::new, |asked| format!(", {asked} % asked for"));
-    let causes: Vec<String> = (accuracy.shares.iter())
-        .map(|share| format!("{} {:.2}", escape(&share.cause.replace('_', " ")), share.percent))
-        .collect();
+    let causes: Vec<String> = (accuracy.shares.iter()).map(|share| escape(&cause(share))).collect();
     let whole = (accuracy.cost_of_whole_line)
         .filter(|cost| *cost > 1.05)
         .map_or_else(String::new, |cost| {

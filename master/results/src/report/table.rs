@@ -3,7 +3,7 @@
 use super::verdict::{by_urgency, margin, sentence};
 use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
-use crate::{Accuracy, Cost, Part, Summary};
+use crate::{Accuracy, Cost, ErrorShare, Part, Summary};
 use component::Share;
 
 /// Text for a number that may be unknown, with `digits` after the point.
@@ -215,11 +215,16 @@ fn modelled(summary: &Summary) -> String {
     text
 }
 
+/// Cause of an error in words, and its percent.
+pub(super) fn cause(share: &ErrorShare) -> String {
+    format!("{} {:.2}", share.cause.replace('_', " "), share.percent)
+}
+
 /// Expected error with its causes, where a rule is known.
 fn expected_error(accuracy: &Accuracy) -> String {
     let causes: Vec<String> = (accuracy.shares.iter())
         .filter(|share| share.percent > 0.0)
-        .map(|share| format!("{} {:.2}", share.cause.replace('_', " "), share.percent))
+        .map(cause)
         .collect();
     accuracy.expected_percent.map_or_else(String::new, |sum| {
         format!(

@@ -184,8 +184,7 @@ impl Interface {
 
     /// As [`Interface::deflection_of`], by modes up to [`DRAWN`]: good enough for a picture.
     pub fn drawn_deflection_of(&self, coordinate: usize) -> f64 {
-        let row = self.modes.at(coordinate);
-        row.map_or(0.0, |row| dot(self.arch, &row[..self.drawn], &self.q[..self.drawn]))
+        self.along(coordinate, &self.q[..self.drawn])
     }
 
     /// Rate of [`Interface::deflection_of`], m/s.
@@ -193,8 +192,10 @@ impl Interface {
         self.along(coordinate, &self.v)
     }
 
+    /// Sum at a coordinate over the first modes, which the values are of.
     fn along(&self, coordinate: usize, values: &[f32]) -> f64 {
-        self.modes.at(coordinate).map_or(0.0, |row| dot(self.arch, row, values))
+        let row = self.modes.at(coordinate);
+        row.map_or(0.0, |row| dot(self.arch, &row[..values.len()], values))
     }
 
     /// Kinetic and potential energy of the modes, J.
