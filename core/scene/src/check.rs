@@ -171,6 +171,15 @@ impl Scene {
                 ),
             );
         }
+        let beyond = self.run.bands_hz.iter().find(|[_, to]| *to >= nyquist);
+        if let Some([from, to]) = beyond.filter(|_| self.run.bands_hz != crate::run::BANDS) {
+            let shown = format!("[{from}, {to}]");
+            let expected = format!(
+                "must be bands below {nyquist} Hz, half the rate of run.output_step = {} s",
+                self.run.output_step
+            );
+            refuse(found, "run.bands_hz", shown, expected);
+        }
     }
 
     fn check_speed(&self, found: &mut Found) {

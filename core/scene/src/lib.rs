@@ -90,7 +90,7 @@ pub use mesh::{AxialStrain, Correction, Element, Mesh, MeshChoice};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use reference::reference;
-pub use run::{Electrification, Evaluate, Initialise, Run, kmh};
+pub use run::{Electrification, Evaluate, ForceFilter, Initialise, Run, kmh};
 pub use scene::{Line, Scene, SceneFile};
 pub use section::Section;
 pub use solver::{Formulation, Jacobian, Solver};

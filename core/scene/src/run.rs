@@ -17,9 +17,12 @@ pub struct Run {
     pub start_x: f64,
     /// Range that statistics are taken over.
     pub evaluate: Evaluate,
-    /// Cut-off frequency of the zero-phase low-pass filter of the contact force, Hz; 20 Hz by default, as in
-    /// EN 50317.
+    /// Cut-off frequency of the low-pass filter of the contact force, Hz; 20 Hz by default, as in EN 50317.
     pub low_pass_hz: f64,
+    /// Filter of the contact force.
+    pub filter: ForceFilter,
+    /// Frequency bands that the spread of the contact force is given for, from and to in Hz.
+    pub bands_hz: Vec<[f64; 2]>,
     /// Time between two rows of the time series, s; 1 ms by default, which resolves 20 Hz fifty-fold.
     pub output_step: f64,
     /// State at t = 0.
@@ -80,6 +83,20 @@ choice! {
     unavailable: []
 }
 
+choice! {
+    /// `run.filter`: the low-pass filter of the contact force.
+    pub enum ForceFilter {
+        /// Butterworth of order 4, forward and backward: no delay.
+        ZeroPhase = "zero_phase",
+        /// Butterworth of order 6, forward only, as a measuring train filters. [EN 50317]
+        Causal = "causal",
+    }
+    unavailable: []
+}
+
+/// `run.bands_hz` where it is left out, Hz: one span passing and its harmonics, spans, droppers.
+pub(crate) const BANDS: [[f64; 2]; 3] = [[0.0, 2.0], [0.0, 5.0], [5.0, 20.0]];
+
 impl Run {
     /// A run at `speed` m/s for `duration` s, from `start_x` m on, of which `evaluate` is evaluated; all else as where
     /// it is left out in a file.
@@ -106,7 +123,16 @@ impl Entry for Run {
         ("evaluate", "Range that statistics are taken over."),
         (
             "low_pass_hz",
-            "Cut-off frequency of the zero-phase low-pass filter of the contact force [EN 50317].",
+            "Cut-off frequency of the low-pass filter of the contact force [EN 50317].",
+        ),
+        (
+            "filter",
+            "Butterworth filter of the contact force: of order 4 forward and backward, without delay, or of order 6 \
+             forward only [EN 50317].",
+        ),
+        (
+            "bands_hz",
+            "Bands that the standard deviation of the contact force is given for.",
         ),
         ("output_step", "Time between two rows of the time series."),
         (
@@ -140,6 +166,8 @@ impl Entry for Run {
                 was.map(|run| run.low_pass_hz),
                 Number::positive("Hz").default(20.0),
             ),
+            filter: keys.word("filter", was.map(|run| run.filter), Some(ForceFilter::ZeroPhase)),
+            bands_hz: bands(keys, was.map(|run| run.bands_hz.as_slice())),
             output_step: keys.number(
                 "output_step",
                 was.map(|run| run.output_step),
@@ -154,6 +182,25 @@ impl Entry for Run {
             electrification: keys.optional_word("electrification", was.map(|run| run.electrification)),
             accuracy: accuracy(keys, was.map(|run| run.accuracy)),
         }
+    }
+}
+
+/// Reads or writes `bands_hz`.
+fn bands(keys: &mut Keys, was: Option<&[[f64; 2]]>) -> Vec<[f64; 2]> {
+    const KEY: &str = "bands_hz";
+    if keys.describes() || keys.has(KEY, was.is_some()) {
+        let bands = keys.points::<2>(KEY, was, Number::not_negative("Hz"));
+        for [from, to] in &bands {
+            if from >= to {
+                keys.refuse(
+                    KEY,
+                    "each band must be [from, to] in Hz, with from below to, such as [5, 20]",
+                );
+            }
+        }
+        bands
+    } else {
+        BANDS.to_vec()
     }
 }
 

@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod animation;
+mod detail;
 mod directory;
 mod error;
 mod head;
@@ -25,6 +26,7 @@ mod summary;
 pub(crate) mod tests;
 
 pub use animation::Animation;
+pub use detail::{ContactHeight, Detail, OtherFilter};
 pub use directory::io;
 pub use directory::{OutputDirectory, RunBundle, SUMMARY};
 pub use error::ResultsError;
@@ -32,5 +34,5 @@ pub use record::{LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, 
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
     Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,
-    StripSummary, Summary, Uplift,
+    StripSummary, Summary, SupportUplift, Uplift,
 };

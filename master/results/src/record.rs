@@ -72,6 +72,20 @@ pub struct LineGeometry {
     pub support_x: Vec<f64>,
     /// Droppers, m.
     pub dropper_x: Vec<f64>,
+    /// First and last support of each tension length, m, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tension_lengths: Vec<(f64, f64)>,
+}
+
+impl LineGeometry {
+    /// Span (from 1) at place `x`, m; `None` beyond the line.
+    #[must_use]
+    pub fn span_at(&self, x: f64) -> Option<usize> {
+        let passed = self.support_x.partition_point(|support| *support <= x);
+        let end = *self.support_x.last()?;
+        let span = if x == end { passed - 1 } else { passed };
+        (1..self.support_x.len()).contains(&span).then_some(span)
+    }
 }
 
 impl StripRecord {

@@ -3,10 +3,10 @@
 use component::{Percentiles, Share};
 use serde::{Deserialize, Serialize};
 
-use super::Record;
+use super::{Detail, Record, SupportRecord};
 use crate::standards::{self, Conditions, Figures, Limit, SHORTEST_ARC};
 use crate::statistics::{
-    FilterError, ForceStatistics, LowPass, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
+    Filter, FilterError, ForceStatistics, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
     sample_range,
 };
 
@@ -49,6 +49,12 @@ pub struct Evaluation {
     pub time: Vec<(f64, f64)>,
     /// Cut-off frequency of the low-pass filter, Hz.
     pub low_pass_hz: f64,
+    /// The filter.
+    #[serde(default)]
+    pub filter: Filter,
+    /// Bands that the spread of the force is given for, Hz.
+    #[serde(default)]
+    pub bands_hz: Vec<[f64; 2]>,
     /// Time between two samples, s.
     #[serde(rename = "output_step_s")]
     pub output_step: f64,
@@ -214,6 +220,9 @@ pub struct PantographSummary {
     /// Contact force of each strip of a head with several; empty for one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub strips: Vec<ContactForceSummary>,
+    /// The same force in detail.
+    #[serde(default)]
+    pub detail: Detail,
 }
 
 /// Contact force over the evaluation range; `null` where the run ended before it.
@@ -241,6 +250,23 @@ pub struct Uplift {
     /// Largest rise at the supports that bound the evaluated spans, whole run, m.
     #[serde(rename = "max_at_support_m")]
     pub max_at_support: Option<f64>,
+    /// Largest rise at each of these supports.
+    #[serde(default)]
+    pub supports: Vec<SupportUplift>,
+}
+
+/// Uplift at one support, whole run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SupportUplift {
+    /// Number of the support, from 1.
+    pub number: usize,
+    /// Place along the track, m; absent where the line is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x_m: Option<f64>,
+    /// Largest rise, m; absent where it is not a number.
+    pub max_m: Option<f64>,
+    /// Time of it, s.
+    pub time_s: Option<f64>,
 }
 
 impl Summary {
@@ -256,13 +282,11 @@ impl Summary {
         for (i, strip) in record.pantographs.iter().enumerate() {
             let range = info.evaluation.samples(&record.time, i);
             let raw = strip.force.get(range.clone()).unwrap_or_default();
-            let filtered = match info.evaluation.filtered(&strip.force) {
-                Ok(force) => force.get(range.clone()).and_then(ForceStatistics::of),
-                Err(error) => {
-                    notes.push(format!("pantograph {}: no filtered force: {error}", i + 1));
-                    None
-                }
-            };
+            let force = info.evaluation.filtered(&strip.force).unwrap_or_else(|error| {
+                notes.push(format!("pantograph {}: no filtered force: {error}", i + 1));
+                Vec::new()
+            });
+            let filtered = force.get(range.clone()).and_then(ForceStatistics::of);
             if range.is_empty() {
                 notes.push(format!("pantograph {}: the evaluation range holds no sample", i + 1));
             } else if strip.force.iter().any(|f| !f.is_finite()) {
@@ -289,6 +313,7 @@ impl Summary {
                         }
                     })
                     .collect(),
+                detail: Detail::of((strip, &force), &range, &info.evaluation, (&record.time, &record.line)),
             };
             let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
             figures.push(Figures {
@@ -311,6 +336,7 @@ impl Summary {
             line: info.line,
             speed: info.evaluation.speed,
             low_pass_hz: info.evaluation.low_pass_hz,
+            filter: info.evaluation.filter,
             output_step: info.evaluation.output_step,
             uplift: max_at_support,
         };
@@ -329,7 +355,14 @@ impl Summary {
             incomplete_reason: info.incomplete_reason.clone(),
             evaluation: info.evaluation.clone(),
             pantographs,
-            uplift: Uplift { max_at_support },
+            uplift: Uplift {
+                max_at_support,
+                supports: record
+                    .supports
+                    .iter()
+                    .map(|support| SupportUplift::of(support, record))
+                    .collect(),
+            },
             coupling: info.coupling.clone(),
             limits,
             model: info.model.clone(),
@@ -361,6 +394,25 @@ impl Evaluation {
     ///
     /// [`FilterError`] where the record is too short or the cut-off frequency not possible.
     pub fn filtered(&self, force: &[f64]) -> Result<Vec<f64>, FilterError> {
-        LowPass::new(self.low_pass_hz, self.output_step)?.filter(force)
+        self.filtered_by(self.filter, force)
+    }
+
+    /// [`Evaluation::filtered`] by another filter.
+    pub(super) fn filtered_by(&self, filter: Filter, force: &[f64]) -> Result<Vec<f64>, FilterError> {
+        filter.design(self.low_pass_hz, self.output_step)?.filter(force)
+    }
+}
+
+impl SupportUplift {
+    fn of(support: &SupportRecord, record: &Record) -> Self {
+        let samples = support.uplift.iter().zip(&record.time);
+        let finite = support.uplift.iter().all(|uplift| uplift.is_finite());
+        let highest = samples.max_by(|a, b| a.0.total_cmp(b.0)).filter(|_| finite);
+        Self {
+            number: support.number,
+            x_m: record.line.support_x.get(support.number.wrapping_sub(1)).copied(),
+            max_m: highest.map(|(uplift, _)| *uplift),
+            time_s: highest.map(|(_, time)| *time),
+        }
     }
 }

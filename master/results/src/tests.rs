@@ -1,6 +1,7 @@
 use component::{DropperLine, Frame, Share};
 
 use super::*;
+use crate::statistics::Filter;
 
 /// A run of 2 s with two pantographs and easily known figures: the raw force of pantograph 1 is
 /// 100 N, that of pantograph 2 is 0 N in half of the samples.
@@ -35,6 +36,7 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
         line: LineGeometry {
             support_x: vec![0.0, 60.0, 120.0],
             dropper_x: vec![10.0, 30.0],
+            tension_lengths: Vec::new(),
         },
         animation: Animation {
             frames: vec![Frame {
@@ -67,6 +69,8 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
         evaluation: Evaluation {
             time: vec![(1.0, 2.0), (1.0, 2.0)],
             low_pass_hz: 20.0,
+            filter: Filter::ZeroPhase,
+            bands_hz: vec![[0.0, 5.0], [5.0, 20.0]],
             output_step: 1e-3,
             speed: 50.0,
         },

@@ -265,6 +265,10 @@ impl Prepared {
             .map_or_else(LineGeometry::default, |(catenary, _)| LineGeometry {
                 support_x: catenary.supports_x(),
                 dropper_x: catenary.droppers_x(),
+                tension_lengths: match catenary.tension_lengths.as_slice() {
+                    [_] => Vec::new(),
+                    several => several.iter().map(|length| (length.start_x, length.end_x())).collect(),
+                },
             });
         let run = &self.scene.run;
         let recorder = Recorder::new(
@@ -469,6 +473,8 @@ impl Prepared {
                     .map(|index| scene.evaluation_time(index))
                     .collect(),
                 low_pass_hz: scene.run.low_pass_hz,
+                filter: scene.run.filter.into(),
+                bands_hz: scene.run.bands_hz.clone(),
                 output_step: scene.run.output_step,
                 speed: scene.run.speed,
             },

@@ -34,7 +34,7 @@ pub(super) fn of_evaluation(conditions: &Conditions) -> [Limit; 2] {
     )
     .bounded(Bound::Equal, BAND)
     .because("limits of the force are for this band; run.low_pass_hz is the end of it")
-    .remark("zero-phase Butterworth filter, order 4 forward and backward");
+    .remark(conditions.filter.text());
     let rate = Limit::new(
         (NAME, "2012, clause not verified"),
         "sampling_rate",

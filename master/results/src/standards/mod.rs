@@ -34,7 +34,7 @@ pub use en50119::gradient_limit;
 use scene::Electrification;
 use serde::{Deserialize, Serialize};
 
-use crate::statistics::ForceStatistics;
+use crate::statistics::{Filter, ForceStatistics};
 
 /// One quantity held against its limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -161,6 +161,8 @@ pub struct Conditions {
     pub speed: f64,
     /// Cut-off frequency of the filter of the contact force, Hz.
     pub low_pass_hz: f64,
+    /// The filter.
+    pub filter: Filter,
     /// Time between two samples, s.
     pub output_step: f64,
     /// Largest rise of the contact wire at the supports of the evaluated spans, m.

@@ -13,6 +13,7 @@ fn conditions(electrification: Option<Electrification>, speed_kmh: f64) -> Condi
         },
         speed: speed_kmh / 3.6,
         low_pass_hz: 20.0,
+        filter: Filter::ZeroPhase,
         output_step: 1e-3,
         uplift: Some(0.05),
     }

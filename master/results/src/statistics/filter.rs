@@ -1,11 +1,68 @@
-//! Zero-phase Butterworth low-pass filter.
+//! Butterworth low-pass filters.
 
-/// Sections of a filter of order 4.
+use scene::ForceFilter;
+use serde::{Deserialize, Serialize};
+
+/// Sections of the filter of order 4.
 const SECTIONS: usize = 2;
+/// Sections of the causal filter, of order 6. `[EN 50317]`, order remembered
+const CAUSAL_SECTIONS: usize = 3;
 
 /// Samples added at each end of a record, `3 (2 · sections + 1)`: three times the number of
 /// coefficients of the filter, the usual length for a forward-backward pass.
 const PADDING: usize = 3 * (2 * SECTIONS + 1);
+
+/// Filter of a contact force; its words are those of `run.filter`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// Order 4, forward and backward.
+    #[default]
+    ZeroPhase,
+    /// Order 6, forward only.
+    Causal,
+}
+
+impl Filter {
+    /// The one that it is not.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::ZeroPhase => Self::Causal,
+            Self::Causal => Self::ZeroPhase,
+        }
+    }
+
+    /// Its name, for reading.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::ZeroPhase => "zero-phase Butterworth filter, order 4 forward and backward",
+            Self::Causal => "causal Butterworth filter, order 6",
+        }
+    }
+
+    /// The filter for a `cutoff` frequency in Hz and a sampling `step` in s.
+    ///
+    /// # Errors
+    ///
+    /// [`FilterError::Cutoff`] unless `0 < cutoff < 1/(2 step)`.
+    pub fn design(self, cutoff: f64, step: f64) -> Result<LowPass, FilterError> {
+        match self {
+            Self::ZeroPhase => LowPass::new(cutoff, step),
+            Self::Causal => LowPass::causal(cutoff, step),
+        }
+    }
+}
+
+impl From<ForceFilter> for Filter {
+    fn from(filter: ForceFilter) -> Self {
+        match filter {
+            ForceFilter::ZeroPhase => Self::ZeroPhase,
+            ForceFilter::Causal => Self::Causal,
+        }
+    }
+}
 
 /// Why a signal cannot be filtered.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -61,48 +118,52 @@ impl Section {
     }
 }
 
-/// Butterworth low-pass of order 4 per pass, bilinear transform, run forward and backward.
+/// Butterworth low-pass of order `2 n`, bilinear transform: of order 4 forward and backward, or of order 6 forward only.
 ///
 /// ```text
-/// |H(iω)|² = 1 / (1 + (ω/ω_c)⁸)                 one pass, analogue prototype
-/// s² + 2 sin((2k+1) π/8) s + 1,  k = 0, 1        its sections for ω_c = 1
+/// |H(iω)|² = 1 / (1 + (ω/ω_c)^(4n))             one pass, analogue prototype
+/// s² + 2 sin((2k+1) π/(4n)) s + 1,  k < n       its sections for ω_c = 1
 /// s = (1/K) (z − 1)/(z + 1),  K = tan(π f_c/f_s) bilinear transform, pre-warped at f_c
 /// ```
 ///
-/// Both passes together have no phase shift and attenuate the cut-off frequency by a factor of 2.
-/// The ends are continued by point reflection (odd padding), each pass starts in the steady state
-/// of its first value. The convention is that of `scipy.signal.sosfiltfilt` with its defaults.
+/// Forward and backward, there is no phase shift, and the cut-off frequency is attenuated by a factor of 2. The ends are
+/// continued by point reflection (odd padding), each pass starts in the steady state of its first value: the convention
+/// of `scipy.signal.sosfiltfilt` with its defaults. Forward only, the delay of a filter on a train is kept; that of
+/// `scipy.signal.sosfilt` with `sosfilt_zi` times the first value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LowPass {
-    sections: [Section; SECTIONS],
+    sections: Vec<Section>,
+    backward: bool,
 }
 
 impl LowPass {
-    /// Designs the filter for a `cutoff` frequency in Hz and a sampling `step` in s.
+    /// Designs the filter without delay for a `cutoff` frequency in Hz and a sampling `step` in s.
     ///
     /// # Errors
     ///
     /// [`FilterError::Cutoff`] unless `0 < cutoff < 1/(2 step)`.
     pub fn new(cutoff: f64, step: f64) -> Result<Self, FilterError> {
-        let nyquist = 0.5 / step;
-        if !(cutoff > 0.0 && cutoff < nyquist) {
-            return Err(FilterError::Cutoff { cutoff, nyquist });
-        }
-        let k = (std::f64::consts::PI * cutoff * step).tan();
-        // The section with the poles next to the unit circle comes last.
-        let sections = [3.0, 1.0].map(|odd: f64| {
-            let q = 2.0 * (odd * std::f64::consts::PI / 8.0).sin();
-            let d = 1.0 + q * k + k * k;
-            let b0 = k * k / d;
-            Section {
-                b: [b0, 2.0 * b0, b0],
-                a: [2.0 * (k * k - 1.0) / d, (1.0 - q * k + k * k) / d],
-            }
-        });
-        Ok(Self { sections })
+        let sections = sections(SECTIONS, cutoff, step)?;
+        Ok(Self {
+            sections,
+            backward: true,
+        })
     }
 
-    /// Filters `signal` forward and backward; the result has the same length and unit.
+    /// Designs the causal filter for a `cutoff` frequency in Hz and a sampling `step` in s.
+    ///
+    /// # Errors
+    ///
+    /// [`FilterError::Cutoff`] unless `0 < cutoff < 1/(2 step)`.
+    pub fn causal(cutoff: f64, step: f64) -> Result<Self, FilterError> {
+        let sections = sections(CAUSAL_SECTIONS, cutoff, step)?;
+        Ok(Self {
+            sections,
+            backward: false,
+        })
+    }
+
+    /// Filters `signal`; the result has the same length and unit.
     ///
     /// # Errors
     ///
@@ -115,19 +176,48 @@ impl LowPass {
                 needed: PADDING + 1,
             });
         }
+        if !self.backward {
+            let mut filtered = signal.to_vec();
+            self.pass(&mut filtered);
+            return Ok(filtered);
+        }
         let (first, last) = (signal[0], signal[n - 1]);
         let mut padded = Vec::with_capacity(n + 2 * PADDING);
         padded.extend((1..=PADDING).rev().map(|i| 2.0 * first - signal[i]));
         padded.extend_from_slice(signal);
         padded.extend((1..=PADDING).map(|i| 2.0 * last - signal[n - 1 - i]));
         for _pass in 0..2 {
-            for section in &self.sections {
-                section.run(&mut padded);
-            }
+            self.pass(&mut padded);
             padded.reverse();
         }
         padded.truncate(PADDING + n);
         padded.drain(..PADDING);
         Ok(padded)
     }
+
+    fn pass(&self, signal: &mut [f64]) {
+        for section in &self.sections {
+            section.run(signal);
+        }
+    }
+}
+
+/// Sections of a filter of order `2 count`.
+fn sections(count: usize, cutoff: f64, step: f64) -> Result<Vec<Section>, FilterError> {
+    let nyquist = 0.5 / step;
+    if !(cutoff > 0.0 && cutoff < nyquist) {
+        return Err(FilterError::Cutoff { cutoff, nyquist });
+    }
+    let k = (std::f64::consts::PI * cutoff * step).tan();
+    // The section with the poles next to the unit circle comes last.
+    let section = |odd: usize| {
+        let q = 2.0 * (odd as f64 * std::f64::consts::PI / (4 * count) as f64).sin();
+        let d = 1.0 + q * k + k * k;
+        let b0 = k * k / d;
+        Section {
+            b: [b0, 2.0 * b0, b0],
+            a: [2.0 * (k * k - 1.0) / d, (1.0 - q * k + k * k) / d],
+        }
+    };
+    Ok((0..count).rev().map(|k| section(2 * k + 1)).collect())
 }

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use super::losses::{fewest, runs};
+
 /// Mean, spread and extremes of a force over the evaluation range, all in N.
 ///
 /// ```text
@@ -70,17 +72,11 @@ pub fn long_loss_of_contact_percent(force: &[f64], range: Range<usize>, step: f6
     if range.is_empty() || range.end > force.len() || force.iter().any(|f| !f.is_finite()) {
         return None;
     }
-    // A rest of rounding in the quotient makes no further sample.
-    let fewest = (shortest / step - 1e-9).ceil().max(1.0) as usize;
-    let mut lost = 0;
-    let mut first = 0;
-    for loss in force.chunk_by(|a, b| (*a <= 0.0) == (*b <= 0.0)) {
-        let last = first + loss.len();
-        if loss[0] <= 0.0 && loss.len() >= fewest {
-            lost += last.min(range.end).saturating_sub(first.max(range.start));
-        }
-        first = last;
-    }
+    let long = runs(force)
+        .into_iter()
+        .filter(|run| run.len() >= fewest(shortest, step));
+    let inside = long.map(|run| run.end.min(range.end).saturating_sub(run.start.max(range.start)));
+    let lost: usize = inside.sum();
     Some(100.0 * lost as f64 / range.len() as f64)
 }
 
@@ -139,4 +135,43 @@ pub fn histogram(signal: &[f64], width: f64) -> Option<Histogram> {
         width,
         percent: counts.iter().map(|c| 100.0 * *c as f64 / n).collect(),
     })
+}
+
+/// Value that a share of the samples lies below.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quantile {
+    /// Share of the samples, %.
+    pub percent: f64,
+    /// Value, in the unit of the signal.
+    pub value: f64,
+}
+
+/// Quantiles of `signal` at shares of 0 to 100 %, linear between the samples in order; nothing without samples or where
+/// one is not finite.
+#[must_use]
+pub fn quantiles(signal: &[f64], percents: &[f64]) -> Vec<Quantile> {
+    if signal.is_empty() || signal.iter().any(|value| !value.is_finite()) {
+        return Vec::new();
+    }
+    let mut sorted = signal.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |percent: &f64| {
+        let place = percent / 100.0 * (sorted.len() - 1) as f64;
+        let below = (place.floor() as usize).min(sorted.len() - 1);
+        let above = (below + 1).min(sorted.len() - 1);
+        Quantile {
+            percent: *percent,
+            value: sorted[below] + (place - below as f64) * (sorted[above] - sorted[below]),
+        }
+    };
+    percents.iter().map(at).collect()
+}
+
+/// Largest slope of `signal` against places `x` in m, without its sign; nothing where `x` does not change.
+#[must_use]
+pub fn largest_slope(signal: &[f64], x: &[f64]) -> Option<f64> {
+    let slopes = signal.windows(2).zip(x.windows(2));
+    let slopes = slopes.filter(|(_, x)| x[1] != x[0]);
+    let slopes = slopes.map(|(value, x)| ((value[1] - value[0]) / (x[1] - x[0])).abs());
+    slopes.reduce(f64::max)
 }

@@ -1,4 +1,4 @@
-//! Figures of a recorded signal: zero-phase low-pass filter, contact force statistics,
+//! Figures of a recorded signal: low-pass filters, contact force statistics by band and stretch, losses of contact,
 //! power spectral density and histogram.
 //!
 //! Signals are sampled at a constant step. Forces are in N, times in s.
@@ -7,15 +7,23 @@
 //! Requirements for and validation of measurements of the dynamic interaction between pantograph
 //! and overhead contact line.
 
+mod bands;
+#[cfg(test)]
+mod detail_tests;
 mod filter;
 mod force;
+mod losses;
 mod spectrum;
+mod stretches;
 #[cfg(test)]
 mod tests;
 
-pub use filter::{FilterError, LowPass};
+pub use bands::{Band, band_pass, bands};
+pub use filter::{Filter, FilterError, LowPass};
 pub use force::{
-    ForceStatistics, Histogram, histogram, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
-    sample_range,
+    ForceStatistics, Histogram, Quantile, histogram, largest_slope, long_loss_of_contact_percent,
+    loss_of_contact_percent, peak_to_peak, quantiles, sample_range,
 };
+pub use losses::{Loss, LossClass, loss_classes, losses};
 pub use spectrum::{Spectrum, power_spectral_density};
+pub use stretches::{Stretch, stretches};
