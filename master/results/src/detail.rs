@@ -11,7 +11,7 @@ use crate::statistics::{
 };
 
 /// Shares of the samples that quantiles of the force are given at, %.
-const QUANTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
+pub(super) const QUANTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
 
 /// Figures of one pantograph over the evaluation range in detail; lists are empty where there is no force.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

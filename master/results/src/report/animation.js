@@ -1,7 +1,6 @@
 // Plays the recorded pictures of line and pantograph on a canvas.
-(function () {
+pantoline.data(document.getElementById("films")).then((films) => {
   "use strict";
-  const films = JSON.parse(document.getElementById("films").textContent);
   const player = document.getElementById("player");
   const canvas = player.querySelector("canvas");
   const part = (role) => player.querySelector(`[data-role=${role}]`);
@@ -170,4 +169,4 @@
   ["exaggeration", "view"].forEach((role) => part(role).addEventListener("change", draw));
   window.addEventListener("resize", draw);
   choose(0);
-})();
+});

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::escape;
 use super::label::NamedRun;
+use super::{escape, pack};
 use component::Frame;
 
 /// The player: draws the frames on a canvas.
@@ -30,11 +30,8 @@ pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
     if films.is_empty() {
         return String::new();
     }
-    // `<` could end the script element; JSON may write it as an escape. Numbers and strings always
-    // serialise: keys are strings and NaN becomes null.
-    let data = serde_json::to_string(&films)
-        .unwrap_or_default()
-        .replace('<', "\\u003c");
+    // Numbers and strings always serialise: keys are strings and NaN becomes null.
+    let data = pack::data(&serde_json::to_string(&films).unwrap_or_default(), "id=\"films\"");
     let options: String = films
         .iter()
         .enumerate()
@@ -64,7 +61,7 @@ pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
          <span class=\"entry\"><span class=\"key\" style=\"color:#8b95a3\"></span>dropper</span> \
          <span class=\"entry\"><span class=\"key\" style=\"color:#d1661b\"></span>slack dropper</span> \
          <span class=\"entry\"><span class=\"key\" style=\"color:#1d7a46\"></span>pantograph</span></p>\n\
-         </div>\n<script type=\"application/json\" id=\"films\">{data}</script>\n\
+         </div>\n{data}\
          <script>\n{PLAYER}</script>\n"
     )
 }

@@ -2,17 +2,25 @@
 
 use std::sync::LazyLock;
 
+use super::pack;
+
 /// Name of the project, on every page.
 const PROJECT: &str = "Pantoline";
 
 /// Style of all pages.
 const STYLE: &str = include_str!("style.css");
 
-/// plotly.js as a script element.
+/// Behaviour of all pages: draws figures, offers tables and figures as files.
+const SCRIPT: &str = include_str!("page.js");
+
+/// plotly.js for curves and bars, packed: see `assets/README.md`.
+const CURVES: &[u8] = include_bytes!("assets/plotly-basic.min.js.gz");
+
+/// plotly.js for every kind of figure, as a script element.
 ///
 /// Only the first script element of the plotly crate, plotly.js itself, is kept: the other is MathJax, which no page
 /// uses.
-static PLOTLY: LazyLock<String> = LazyLock::new(|| {
+static WHOLE: LazyLock<String> = LazyLock::new(|| {
     const END: &str = "</script>";
     let mut sources = plotly::Plot::offline_js_sources();
     if let Some(end) = sources.find(END) {
@@ -20,6 +28,20 @@ static PLOTLY: LazyLock<String> = LazyLock::new(|| {
     }
     sources
 });
+
+/// Parts of plotly.js that a figure needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Library {
+    /// Curves, points and bars.
+    Curves,
+    /// Every kind of figure, at four times the size of a page.
+    Whole,
+}
+
+/// Mark of a figure that needs [`Library::Whole`].
+const NEEDS_WHOLE: &str = "data-library=\"whole\"";
+/// Mark of a figure.
+const FIGURE: &str = "class=\"figure\"";
 
 /// Replaces the characters that have a meaning in HTML.
 #[must_use]
@@ -62,14 +84,20 @@ pub fn remarks(notes: &[String]) -> String {
     format!("<div class=\"notes\"><ul>{items}</ul></div>\n")
 }
 
-/// A plot as a piece of a [`Page`], in a box of `height` (CSS pixels). `id` must be unique in the
-/// page and made of letters, digits and `-`.
+/// A figure as a piece of a [`Page`], in a box of `height` (CSS pixels): `figure` is the JSON object with `data`,
+/// `layout` and `config` that plotly.js takes. `id` must be unique in the page and made of letters, digits and `-`;
+/// `name` is read out where figures are not seen, and names the files that it is saved to.
 #[must_use]
-pub fn plot_html(plot: &plotly::Plot, id: &str, height: u32) -> String {
-    format!(
-        "<div class=\"plot\" style=\"height:{height}px\">{}</div>\n",
-        plot.to_inline_html(Some(id))
-    )
+pub fn figure_html(figure: &str, (id, name): (&str, &str), height: u32, library: Library) -> String {
+    let library = match library {
+        Library::Curves => String::new(),
+        Library::Whole => format!(" {NEEDS_WHOLE}"),
+    };
+    let box_of_it = format!(
+        "<div class=\"plot\" id=\"{id}\" role=\"img\" aria-label=\"{}\" style=\"height:{height}px\"></div>\n",
+        escape(name)
+    );
+    box_of_it + &pack::data(figure, &format!("{FIGURE} data-for=\"{id}\"{library}"))
 }
 
 /// A page that works offline: style, and plotly.js where a plot needs it, are inside.
@@ -129,16 +157,21 @@ impl Page {
     /// The whole page.
     #[must_use]
     pub fn finish(self) -> String {
-        let plotly = if self.body.contains("plotly-graph-div") {
-            PLOTLY.as_str()
+        let plotly = if self.body.contains(NEEDS_WHOLE) {
+            WHOLE.clone()
+        } else if self.body.contains(FIGURE) {
+            format!(
+                "<script type=\"text/plain\" id=\"plotly\">{}</script>",
+                pack::letters(CURVES)
+            )
         } else {
-            ""
+            String::new()
         };
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}{}</style>\n{plotly}\n</head>\n<body>\n<main>\n{}\
-             </main>\n</body>\n</html>\n",
+             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}{}</style>\n<script>\n{SCRIPT}</script>\n</head>\n<body>\n<main>\n{}\
+             </main>\n{plotly}\n</body>\n</html>\n",
             self.title, self.style, self.body
         )
     }

@@ -4,19 +4,23 @@
 //! | --- | --- |
 //! | `html` | a self-contained page |
 //! | `rows` | tables of a page |
+//! | `pack` | data in the page |
 //! | `label` | names of runs on one page |
 //! | `line` | page, tables and picture of a line at rest |
 //! | `verdict` | which limits fail, which hold, by how much |
 //! | `sections` | text and tables of the page |
+//! | `details` | tables by band, span and loss, of heights and uplift |
 //! | `plots` | plots of the page |
 //! | `animation` | the player |
 //! | `table` | the table on the terminal |
 //! | `progress` | the progress bar |
 
 mod animation;
+mod details;
 mod html;
 mod label;
 mod line;
+mod pack;
 pub mod plots;
 mod progress;
 mod rows;
@@ -26,13 +30,13 @@ mod table;
 mod tests;
 mod verdict;
 
-pub use html::{Page, escape, head_cells, plot_html, remarks};
+pub use html::{Library, Page, escape, figure_html, head_cells, remarks};
 pub use label::labels;
 pub use line::{
     LinePage, PageDropper, PageMass, PageRange, PageSpan, PageSupport, PageTension, PageWire, PageWireKind,
 };
 pub use progress::{Progress, Show};
-pub use rows::{PageColumn, cell, cells, heads, lined, scrolled, spanning};
+pub use rows::{PageColumn, cell, cells, heads, lined, saved, scrolled, spanning};
 pub use table::{TextColumn, aligned, heading, number as decimals, table, text_cells, text_table};
 pub use verdict::failed_limits;
 
@@ -48,10 +52,14 @@ pub fn render(runs: &[RunBundle]) -> String {
     page.lead(&sections::lead(&runs));
     page.section("Verdict", &verdict::section(&runs));
     page.section("Key figures", &sections::key_figures(&runs));
+    let figures = plots::Figures::of(&runs);
+    page.section("Contact force", &figures.force);
+    page.section("By span", &details::stretches(&runs));
+    page.section("Losses of contact", &details::losses(&runs));
     page.section("Animation", &animation::section(&runs));
-    for (heading, body) in plots::sections(&runs) {
-        page.section(heading, &body);
-    }
+    page.section("Heights and uplift", &(figures.heights + &details::heights(&runs)));
+    page.section("Wind on the collector head", &figures.wind);
+    page.section("Frequencies", &(figures.distribution + &details::bands(&runs)));
     page.section("Limits", &sections::limits(&runs));
     page.section("What was modelled", &sections::model(&runs));
     page.section("Cost", &sections::cost(&runs));

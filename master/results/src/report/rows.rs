@@ -13,6 +13,11 @@ pub fn lined(head: &str, lines: impl IntoIterator<Item = String>) -> String {
     scrolled(head, &lines.into_iter().map(row).collect::<String>())
 }
 
+/// [`lined`], with a button that saves the table as `name`.csv.
+pub fn saved(name: &str, head: &str, lines: impl IntoIterator<Item = String>) -> String {
+    lined(head, lines).replacen("<table>", &format!("<table data-csv=\"{name}\">"), 1)
+}
+
 /// A cell of HTML with its class, which may be empty; `c` is coloured by the word in it.
 pub fn cell(class: &str, html: &str) -> String {
     match class {

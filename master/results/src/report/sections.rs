@@ -75,36 +75,47 @@ fn card(value: &str, unit: &str, name: &str) -> String {
     format!("<div class=\"card\"><b>{value} <small>{unit}</small></b><span>{name}</span></div>\n")
 }
 
-fn cards(s: &Summary) -> String {
-    let [pantograph] = s.pantographs.as_slice() else {
-        return String::new();
-    };
-    let force = pantograph.contact_force.filtered;
+/// Tiles of each pantograph of a run, the first with those of the line.
+fn tiles(s: &Summary) -> String {
+    let several = s.pantographs.len() > 1;
     let uplift = s.uplift.max_at_support.map(|u| 1e3 * u);
-    [
-        card(&number(force.map(|f| f.mean), 1), "N", "mean contact force"),
-        card(&number(force.map(|f| f.std), 1), "N", "standard deviation σ"),
-        card(&number(force.map(|f| f.max), 1), "N", "maximum"),
-        card(&number(force.map(|f| f.min), 1), "N", "minimum"),
-        card(
-            &number(pantograph.contact_force.loss_of_contact_percent, 2),
-            "%",
-            "loss of contact",
-        ),
-        card(&number(uplift, 1), "mm", "uplift at support"),
-        card(&number(s.cost.real_time_factor, 3), "", "real-time factor"),
-    ]
-    .concat()
+    let mut html = String::new();
+    for (index, pantograph) in s.pantographs.iter().enumerate() {
+        let force = pantograph.contact_force.filtered;
+        let std = force.map(|f| f.std);
+        let loss = pantograph.contact_force.loss_of_contact_percent;
+        let mut cards = vec![
+            card(&number(force.map(|f| f.mean), 1), "N", "mean contact force"),
+            card(&number(std, 1), &deviation(s, std), "standard deviation σ"),
+            card(&number(force.map(|f| f.max), 1), "N", "maximum"),
+            card(&number(force.map(|f| f.min), 1), "N", "minimum"),
+            card(&number(loss, 2), "%", "loss of contact"),
+        ];
+        if index == 0 {
+            cards.push(card(&number(uplift, 1), "mm", "uplift at support"));
+            cards.push(card(&number(s.cost.real_time_factor, 3), "", "real-time factor"));
+        }
+        if several {
+            html.push_str(&format!("<h3>Pantograph {}</h3>\n", index + 1));
+        }
+        html.push_str(&format!("<div class=\"cards\">{}</div>\n", cards.concat()));
+    }
+    html
 }
 
-/// Key figures: cards for one run with one pantograph, and a table for all.
+/// Unit of the standard deviation with its expected numerical error.
+fn deviation(s: &Summary, std: Option<f64>) -> String {
+    match s.accuracy.expected_percent.zip(std) {
+        Some((percent, std)) => format!("N ± {:.1}", percent / 100.0 * std),
+        None => "N".to_owned(),
+    }
+}
+
+/// Key figures: tiles for one run, and a table for all.
 pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::new();
     if let [run] = runs {
-        let cards = cards(&run.summary);
-        if !cards.is_empty() {
-            html.push_str(&format!("<div class=\"cards\">{cards}</div>\n"));
-        }
+        html.push_str(&tiles(&run.summary));
     }
     html.push_str(
         "<div class=\"scroll\"><table><thead><tr><th>Contact force [N]</th><th class=\"n\">mean</th>\
@@ -187,7 +198,7 @@ fn ranges(runs: &[NamedRun<'_>]) -> String {
     format!(
         "<p class=\"caption\">Evaluated from {}. Uplift: largest rise at the supports of the \
          evaluated spans over the whole run. RTF: wall time of the time loop divided by simulated \
-         time.</p>\n",
+         time. ±: expected numerical error, by rule.</p>\n",
         texts.join(", ")
     )
 }

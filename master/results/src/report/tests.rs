@@ -1,3 +1,7 @@
+use std::io::Read as _;
+
+use base64::Engine as _;
+
 use super::*;
 use crate::{RunBundle, Summary, tests::run};
 
@@ -8,6 +12,19 @@ fn bundle(complete: bool) -> RunBundle {
         record,
         scene: "a = \"<b>\"".to_owned(),
     }
+}
+
+/// The page, with the data that it has packed behind it.
+fn unpacked(page: &str) -> String {
+    let mut text = page.to_owned();
+    for script in page.split("<script type=\"text/plain\" class=\"figure\"").skip(1) {
+        let packed = script.split(['>', '<']).nth(1).unwrap();
+        let bytes = base64::engine::general_purpose::STANDARD.decode(packed).unwrap();
+        flate2::read::GzDecoder::new(&bytes[..])
+            .read_to_string(&mut text)
+            .unwrap();
+    }
+    text
 }
 
 #[test]
@@ -26,8 +43,8 @@ fn the_page_holds_every_section_and_loads_nothing() {
         assert!(page.contains(&format!("<h2>{heading}</h2>")), "{heading}");
     }
     assert!(!page.contains("<script src") && !page.contains("<link"));
-    // plotly.js once, and nothing that is as large as it.
-    assert!(page.len() < 6_000_000, "{} bytes", page.len());
+    // plotly.js once, packed, and nothing that is as large as it.
+    assert!(page.len() < 700_000, "{} bytes", page.len());
 }
 
 #[test]
@@ -38,8 +55,53 @@ fn the_wind_is_drawn_where_it_was_recorded_only() {
         drag: vec![172.53; bundle.record.time.len()],
         lift: vec![69.01; bundle.record.time.len()],
     });
-    let page = render(&[bundle]);
+    let page = unpacked(&render(&[bundle]));
     assert!(page.contains("plot-wind") && page.contains("172.53") && page.contains("69.01"));
+}
+
+#[test]
+fn the_page_tells_where_and_when_contact_was_lost_and_how_spans_and_bands_compare() {
+    let page = render(&[bundle(true)]);
+    for part in [
+        "spans",
+        "losses",
+        "losses-by-duration",
+        "following",
+        "bands",
+        "quantiles",
+        "filters",
+        "uplift",
+    ] {
+        assert!(page.contains(&format!("data-csv=\"{part}\"")), "{part}");
+    }
+    // Half of the samples of the second pantograph have no force: more losses than a page lists.
+    assert!(page.contains("At most 200 are listed"));
+    assert_eq!(page.matches("<td class=\"n\">1.0</td>").count(), 200);
+}
+
+#[test]
+fn a_limit_that_fails_says_why_and_what_helps_at_the_top_of_the_page() {
+    let page = render(&[failing()]);
+    let top = &page[..page.find("<h2>Key figures</h2>").unwrap()];
+    for part in [
+        "FAILS",
+        "0.3 of the mean",
+        "remedy: a lower speed",
+        "limits hold</summary>",
+    ] {
+        assert!(top.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn the_packed_library_is_the_one_that_its_note_names() {
+    let mut text = String::new();
+    let mut packed = flate2::read::GzDecoder::new(&include_bytes!("assets/plotly-basic.min.js.gz")[..]);
+    packed.read_to_string(&mut text).unwrap();
+    let version = "3.0.1";
+    assert!(text.contains(&format!("plotly.js (basic - minified) v{version}")));
+    assert!(include_str!("assets/README.md").contains(version));
+    assert!(plotly::Plot::offline_js_sources().contains(&format!("plotly.js v{version}")));
 }
 
 #[test]
@@ -55,7 +117,7 @@ fn text_of_the_scene_cannot_become_markup() {
 fn several_runs_are_overlaid_under_their_names() {
     let mut other = bundle(true);
     other.summary.mode = "cosimulation".to_owned();
-    let page = render(&[bundle(true), other]);
+    let page = unpacked(&render(&[bundle(true), other]));
     assert!(page.contains("filtered 20 Hz, sample (monolithic), pantograph 1"));
     assert!(page.contains("filtered 20 Hz, sample (cosimulation), pantograph 2"));
     assert_eq!(page.matches("id=\"plot-force\"").count(), 1);

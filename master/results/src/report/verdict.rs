@@ -101,6 +101,16 @@ pub fn failed_limits(summary: &Summary) -> Vec<String> {
     said.collect()
 }
 
+/// Clause, reason and remedy of a limit that fails, below its name.
+fn why(limit: &Limit) -> String {
+    let said = [&limit.clause, &limit.reason, &limit.remark].into_iter();
+    let mut parts: Vec<String> = said.filter(|text| !text.is_empty()).map(|text| escape(text)).collect();
+    if let Some(remedy) = limit.remedy() {
+        parts.push(format!("remedy: {remedy}"));
+    }
+    format!("<br><span class=\"soft\">{}</span>", parts.join("; "))
+}
+
 /// Lines of the verdict: those that fail, or those that hold.
 fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
     let (class, word) = if pass { ("good", "holds") } else { ("bad", "FAILS") };
@@ -109,8 +119,12 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
         let (value, _, unit) = readable(limit);
         let (name, mark) = (escape(&quantity_name(limit)), limit.certainty.mark());
         let standard = escape(&limit.standard);
+        let why = if pass { String::new() } else { why(limit) };
         cell("s", &format!("<b class=\"{class}\">{word}</b>"))
-            + &cell("", &format!("{name} <span class=\"soft\">{standard} {mark}</span>"))
+            + &cell(
+                "",
+                &format!("{name} <span class=\"soft\">{standard} {mark}</span>{why}"),
+            )
             + &cell("n", &format!("{} {}", number(value, 2), escape(unit)))
             + &cell("n", &escape(&table::bounded(limit)))
             + &cell(&format!("n {class}"), &margin(limit))
@@ -130,8 +144,20 @@ pub(super) fn of_limits(limits: &[Limit]) -> String {
     if any(true) || any(false) {
         let columns = [("limit", false), ("value", true), ("limit", true), ("margin", true)];
         let head = head_cells(columns.map(|(name, is_number)| (name, "", is_number)));
-        let lines = lines(limits, false).chain(lines(limits, true));
-        html.push_str(&lined(&format!("<th></th>{head}"), lines));
+        let head = format!("<th></th>{head}");
+        let lines = |pass: bool| lined(&head, lines(limits, pass));
+        let held = limits.iter().filter(|limit| limit.pass == Some(true)).count();
+        match (any(false), held) {
+            (false, _) => html.push_str(&lines(true)),
+            (true, 0) => html.push_str(&lines(false)),
+            // What fails stands first and alone.
+            (true, held) => html.push_str(&format!(
+                "{}<details><summary>{}</summary>{}</details>\n",
+                lines(false),
+                counted(held, "limit holds", "limits hold"),
+                lines(true)
+            )),
+        }
     }
     html
 }

@@ -277,6 +277,29 @@ impl Limit {
         self
     }
 
+    /// Remedy that practice tries first where the limit fails; nothing where there is none.
+    #[must_use]
+    pub fn remedy(&self) -> Option<&'static str> {
+        let remedy = match self.quantity.as_str() {
+            "mean" => "less static force or less aerodynamic lift",
+            "mean_lower" => "more static force or more aerodynamic lift",
+            "std" | "arcing" => {
+                "a lower speed, more tension in the wires, more space between pantographs, or a lighter strip; more \
+                 static force lowers arcing alone"
+            }
+            "max" | "min" => "as for the standard deviation, and a look at the span where the extreme stands (By span)",
+            "uplift" => "less static force, a lower speed, or more space between pantographs",
+            "free_uplift" => "more space at the steady arm, or a stop",
+            "vertical_amplitude" => "less presag, or stiffness that varies less along the span",
+            "speed_ratio" => "more tension in the contact wire, or a lower speed",
+            "band" => "run.low_pass_hz = 20",
+            "sampling_rate" => "a shorter run.output_step",
+            "gradient" | "gradient_change" => "heights of the supports in smaller steps",
+            _ => return None,
+        };
+        Some(remedy)
+    }
+
     fn decide(&mut self) {
         self.pass = match (self.applicable, self.value, self.limit) {
             (true, Some(value), Some(limit)) => Some(self.bound.holds(value, limit)),

@@ -1,5 +1,6 @@
 //! Plots of the page, as plotly.js takes them.
 
+use results::report::{Library, figure_html};
 use serde_json::{Value as Json, json};
 
 use super::{Drawn, FIGURES, Page};
@@ -14,21 +15,17 @@ const SCALE: &str = "Viridis";
 /// Height of a plot, CSS pixels.
 const HEIGHT: u32 = 360;
 
-/// A plot in a box with this `id`; plotly.js itself is elsewhere on the page.
+/// A plot in a box with this `id`.
 fn plot(id: &str, height: u32, traces: &[Json], mut layout: Json) -> String {
     layout["margin"] = json!({ "l": 60, "r": 16, "t": 34, "b": 50 });
     layout["font"] = json!({ "family": "system-ui, sans-serif", "size": 13 });
     let config = json!({ "responsive": true, "displaylogo": false, "displayModeBar": false });
-    // A key with `</script>` in it would end the script.
-    let safe = |value: &Json| value.to_string().replace("</", "<\\/");
-    let traces: Vec<String> = traces.iter().map(safe).collect();
-    format!(
-        "<div class=\"plot\" style=\"height:{height}px\"><div id=\"{id}\" class=\"plotly-graph-div\" \
-         style=\"height:100%\"></div><script>Plotly.newPlot(\"{id}\", [{}], {}, {});</script></div>\n",
-        traces.join(","),
-        safe(&layout),
-        safe(&config)
-    )
+    let library = match traces.iter().all(|trace| trace["type"] == "scatter") {
+        true => Library::Curves,
+        false => Library::Whole,
+    };
+    let figure = json!({ "data": traces, "layout": layout, "config": config });
+    figure_html(&figure.to_string(), (id, id), height, library)
 }
 
 /// Plots in two columns.

@@ -9,9 +9,11 @@ use plotly::configuration::DisplayModeBar;
 use plotly::layout::{Annotation, Axis, AxisType, HoverMode, Legend, Margin, Shape, ShapeLayer, ShapeLine, ShapeType};
 use plotly::{Configuration, Layout, Plot, Scatter};
 
-use super::{escape, plot_html};
+use serde_json::Value;
+
+use super::{Library, escape, figure_html};
 use crate::report::label::NamedRun;
-use crate::{RunBundle, StripRecord};
+use crate::{Evaluation, RunBundle, StripRecord};
 
 /// Colours of the curves, told apart with colour-blind eyes too; repeated when used up.
 pub const COLOURS: [&str; 7] = [
@@ -76,6 +78,21 @@ fn name(what: &str, label: &str) -> String {
 /// Rounds for drawing, which keeps the page small: `per` steps per unit.
 pub fn rounded(values: &[f64], per: f64) -> Vec<f64> {
     values.iter().map(|v| (v * per).round() / per).collect()
+}
+
+/// Samples of a filtered signal that draw it: ten in a period of the cut-off frequency.
+pub(super) fn stride(evaluation: &Evaluation) -> usize {
+    let wanted = 0.1 / (evaluation.low_pass_hz * evaluation.output_step);
+    if wanted.is_finite() {
+        (wanted as usize).max(1)
+    } else {
+        1
+    }
+}
+
+/// Every `stride`-th value.
+fn thinned(values: &[f64], stride: usize) -> Vec<f64> {
+    values.iter().step_by(stride).copied().collect()
 }
 
 /// Axis with a title and a light grid.
@@ -183,7 +200,18 @@ pub fn finished(traces: impl IntoIterator<Item = Trace>, layout: Layout, id: &st
             .display_logo(false)
             .display_mode_bar(DisplayModeBar::False),
     );
-    plot_html(&plot, id, height)
+    let figure = plot.to_json();
+    figure_html(&figure, (id, &axes_text(&figure)), height, Library::Curves)
+}
+
+/// Titles of the axes of a figure, in words.
+fn axes_text(figure: &str) -> String {
+    let figure: Value = serde_json::from_str(figure).unwrap_or_default();
+    let title = |axis: &str| {
+        let title = &figure["layout"][axis]["title"];
+        title["text"].as_str().unwrap_or_default().to_owned()
+    };
+    format!("{} over {}", title("yaxis"), title("xaxis"))
 }
 
 /// A line through points, with a name, of a colour and a width in px.
@@ -236,26 +264,40 @@ fn mark(x: f64, text: &str) -> Annotation {
         .font(Font::new().size(11).color(TEXT))
 }
 
-/// Sections of all plots, each with its heading; those without data are left out.
-pub(super) fn sections(runs: &[NamedRun<'_>]) -> Vec<(&'static str, String)> {
-    let curves = curves(runs);
-    let spectrum = distribution::spectrum(&curves);
-    let histogram = distribution::histogram_plot(&curves);
-    let pair = if spectrum.is_empty() && histogram.is_empty() {
-        String::new()
-    } else {
-        format!(
-            "<div class=\"pair\"><div><h3>Power spectral density of the raw force</h3>{spectrum}</div>\n\
-             <div><h3>Histogram</h3>{histogram}</div></div>\n\
-             <p class=\"caption\">Both over the evaluation range. Spectrum: mean removed, Hann window.</p>\n"
-        )
-    };
-    vec![
-        ("Contact force", series::force(&curves)),
-        ("Uplift at the supports", series::uplift(runs)),
-        ("Wind on the collector head", series::wind(&curves)),
-        ("Spectrum and histogram", pair),
-    ]
+/// Figures of the report, as HTML; empty where there are no data.
+pub(super) struct Figures {
+    /// Force along the track.
+    pub force: String,
+    /// Uplift at the supports, height of the contact along the track.
+    pub heights: String,
+    /// Wind on the heads.
+    pub wind: String,
+    /// Spectrum and histogram.
+    pub distribution: String,
+}
+
+impl Figures {
+    /// Figures of `runs`.
+    pub(super) fn of(runs: &[NamedRun<'_>]) -> Self {
+        let curves = curves(runs);
+        let spectrum = distribution::spectrum(&curves);
+        let histogram = distribution::histogram_plot(&curves);
+        let pair = if spectrum.is_empty() && histogram.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "<div class=\"pair\"><div><h3>Power spectral density of the raw force</h3>{spectrum}</div>\n\
+                 <div><h3>Histogram</h3>{histogram}</div></div>\n\
+                 <p class=\"caption\">Both over the evaluation range. Spectrum: mean removed, Hann window.</p>\n"
+            )
+        };
+        Self {
+            force: series::force(&curves),
+            heights: series::heights(&curves) + &series::uplift(runs),
+            wind: series::wind(&curves),
+            distribution: pair,
+        }
+    }
 }
 
 #[cfg(test)]

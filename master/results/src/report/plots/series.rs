@@ -4,7 +4,10 @@ use plotly::Scatter;
 use plotly::common::{DashType, Line, Mode, Visible};
 use plotly::layout::RangeMode;
 
-use super::{Curve, MARK, PALE, axis, band, colour, curve, figure, finished, layout, mark, name, rounded, vertical};
+use super::{
+    Curve, MARK, PALE, axis, band, colour, curve, figure, finished, layout, mark, name, rounded, stride, thinned,
+    vertical,
+};
 use crate::LineGeometry;
 use crate::report::escape;
 use crate::report::label::NamedRun;
@@ -53,9 +56,10 @@ pub(super) fn force(curves: &[Curve]) -> String {
         let evaluation = &c.run.summary.evaluation;
         if let Ok(force) = evaluation.filtered(&c.strip.force) {
             let what = format!("filtered {} Hz", evaluation.low_pass_hz);
+            let stride = stride(evaluation);
             filtered.push(curve(
-                x.clone(),
-                rounded(&force, 1e2),
+                thinned(&x, stride),
+                rounded(&thinned(&force, stride), 1e2),
                 &name(&what, &c.label),
                 colour(i),
                 1.8,
@@ -117,7 +121,9 @@ pub(super) fn uplift(runs: &[NamedRun<'_>]) -> String {
                 String::new()
             };
             let millimetres: Vec<f64> = support.uplift.iter().map(|u| 1e3 * u).collect();
-            let trace = Scatter::new(rounded(&run.record.time, 1e4), rounded(&millimetres, 1e3))
+            let stride = stride(&run.summary.evaluation);
+            let [time, rise] = [&run.record.time, &millimetres].map(|series| thinned(series, stride));
+            let trace = Scatter::new(rounded(&time, 1e4), rounded(&rise, 1e2))
                 .mode(Mode::Lines)
                 .name(name(&format!("support {}", support.number), &label))
                 .line(line);
@@ -132,6 +138,42 @@ pub(super) fn uplift(runs: &[NamedRun<'_>]) -> String {
         layout(axis("time [s]").zero_line(false), axis("uplift [mm]")),
         "plot-uplift",
         320,
+    )
+}
+
+/// Height of the contact wire where it is touched, against the position.
+pub(super) fn heights(curves: &[Curve]) -> String {
+    let touched = curves.iter().enumerate().filter(|(_, c)| !c.strip.wire_z.is_empty());
+    let traces = touched.map(|(i, c)| {
+        let stride = stride(&c.run.summary.evaluation);
+        let [x, z] = [&c.strip.contact_x, &c.strip.wire_z].map(|series| thinned(series, stride));
+        let (x, z) = (rounded(&x, 1e3), rounded(&z, 1e4));
+        curve(x, z, &name("contact wire", &c.label), colour(i), 1.4)
+    });
+    let traces: Vec<_> = traces.collect();
+    let mut shapes = Vec::new();
+    let mut notes = Vec::new();
+    if let Some(line) = geometry(curves) {
+        for (k, x) in line.support_x.iter().enumerate() {
+            let passed = curves.iter().any(|c| {
+                let at = c.strip.contact_x.partition_point(|place| place < x);
+                at > 0 && at < c.strip.contact_x.len()
+            });
+            if passed {
+                shapes.push(vertical(*x, 1.0, MARK, DashType::Dot));
+                notes.push(mark(*x, &(k + 1).to_string()));
+            }
+        }
+    }
+    let x_axis = axis("position of the contact along the track [m]")
+        .zero_line(false)
+        .show_grid(false);
+    let y_axis = axis("height above the rail [m]").zero_line(false);
+    figure(
+        traces,
+        layout(x_axis, y_axis).shapes(shapes).annotations(notes),
+        ("plot-height", 300),
+        "Height of the contact wire at the strip. Dotted lines: supports.",
     )
 }
 

@@ -1,0 +1,55 @@
+// Looks at a page in frames of several widths: what went wrong, what was drawn, what its buttons do.
+(async () => {
+  const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+  const until = async (true_) => { for (let n = 0; n < 400 && !true_(); n += 1) await wait(25); return true_(); };
+  const look = async (width) => {
+    const frame = document.createElement("iframe");
+    frame.style.cssText = `width:${width}px;height:900px;border:0`;
+    frame.src = "page.html";
+    const loaded = new Promise((done) => frame.addEventListener("load", done));
+    document.body.append(frame);
+    await loaded;
+    const page = frame.contentWindow;
+    const root = page.document.documentElement;
+    const figures = [...page.document.querySelectorAll(".plot")];
+    if (figures.length > 0) await until(() => root.dataset.figures);
+    await wait(50);
+    // A curve, a mark or a cell of a map.
+    const drawn = (box) => box.querySelector("path.js-line, path.point, .hm image, .parcoords canvas, .parcoords-line-layers") !== null;
+    const wide = [...page.document.querySelectorAll("main *")]
+      .filter((part) => !part.closest(".scroll, .track, pre, .plot, svg") && part.getBoundingClientRect().right > width + 1);
+    const seen = {
+      width,
+      errors: page.errors,
+      figures: figures.length,
+      undrawn: figures.filter((box) => !drawn(box)).map((box) => box.id),
+      overflow: root.scrollWidth > root.clientWidth ? root.scrollWidth - root.clientWidth : 0,
+      wide: wide.slice(0, 3).map((part) => `${part.tagName} ${part.className}`),
+      buttons: 0,
+      idle: [],
+    };
+    for (const button of page.document.querySelectorAll(".tools button")) {
+      seen.buttons += 1;
+      const before = page.saved.length;
+      button.click();
+      await until(() => page.saved.length > before);
+      const file = page.saved[before];
+      const whole = file && file.name && (file.size > 20 || file.size < 0);
+      if (!whole) seen.idle.push(button.getAttribute("aria-label"));
+    }
+    const play = page.document.querySelector("[data-role=play]");
+    if (play) {
+      seen.buttons += 1;
+      const readout = page.document.querySelector("[data-role=readout]");
+      await until(() => readout.textContent !== "");
+      const before = readout.textContent;
+      play.click();
+      if (!(await until(() => readout.textContent !== before))) seen.idle.push("Play");
+    }
+    frame.remove();
+    return seen;
+  };
+  const all = [];
+  for (const width of WIDTHS) all.push(await look(width));
+  document.getElementById("seen").textContent = JSON.stringify(all);
+})();
