@@ -89,7 +89,7 @@ pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageS
 pub use mesh::{AxialStrain, Correction, Element, Mesh, MeshChoice};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
-pub use reference::reference;
+pub use reference::{KeyText, keys as described_keys, reference};
 pub use run::{Electrification, Evaluate, ForceFilter, Initialise, Run, kmh};
 pub use scene::{Line, Scene, SceneFile};
 pub use section::Section;

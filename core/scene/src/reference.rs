@@ -29,6 +29,57 @@ pub fn reference() -> String {
     text
 }
 
+/// A key of the scene file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyText {
+    /// Table that holds it, as typed.
+    pub table: String,
+    /// Name.
+    pub name: String,
+    /// Unit; empty where there is none.
+    pub unit: String,
+    /// Values that it may have.
+    pub range: String,
+    /// Value where it is left out: a value, `required`, or `optional`.
+    pub default: String,
+    /// Meaning.
+    pub sentence: &'static str,
+}
+
+impl KeyText {
+    /// Path of the key, such as `run.evaluate.spans`: the table without its brackets, and the name.
+    #[must_use]
+    pub fn path(&self) -> String {
+        let table = self.table.trim_start_matches(['`', '[']);
+        let end = table.find([']', '`', ' ']).unwrap_or(table.len());
+        match (table.starts_with("Top of"), &table[..end]) {
+            (true, _) => self.name.clone(),
+            (false, table) => format!("{table}.{}", self.name),
+        }
+    }
+}
+
+/// Every key of the scene file.
+#[must_use]
+pub fn keys() -> Vec<KeyText> {
+    let text = |table: &str, key: Described| KeyText {
+        table: table.to_owned(),
+        name: key.name,
+        unit: key.unit,
+        range: key.range,
+        default: match key.default {
+            Default::Required => "required".to_owned(),
+            Default::None => "optional".to_owned(),
+            Default::Value(value) => value,
+        },
+        sentence: key.sentence,
+    };
+    let sections = describe::<Scene>("Top of the file").into_iter();
+    sections
+        .flat_map(|section| section.keys.into_iter().map(move |key| text(&section.title, key)))
+        .collect()
+}
+
 fn write_section(text: &mut String, section: &Section) {
     // Writing to a text cannot fail.
     let _ = write!(
@@ -60,6 +111,20 @@ fn row(key: &Described) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_key_has_the_path_that_overrides_take() {
+        let paths: Vec<String> = keys().iter().map(KeyText::path).collect();
+        for path in [
+            "title",
+            "run.low_pass_hz",
+            "run.evaluate.spans",
+            "catenary.contact_wire.tension",
+        ] {
+            assert!(paths.iter().any(|known| known == path), "{path}: {paths:?}");
+        }
+        assert!(paths.iter().any(|path| path == "pantograph.static_force"));
+    }
 
     #[test]
     fn every_key_has_one_sentence() {

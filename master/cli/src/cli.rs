@@ -144,6 +144,13 @@ enum Command {
         #[arg(long)]
         quick: bool,
     },
+    /// Explains a key of a scene, a figure, a limit of a standard or a note
+    #[command(args = [hidden_set(), hidden_out()], after_help = EXIT_STATUS)]
+    Explain {
+        /// Word as in a scene, a table or a report: run.low_pass_hz, std, "EN 50367 mean", mesh
+        #[arg(required = true, value_name = "WORD")]
+        words: Vec<String>,
+    },
     /// Prints a script that completes commands and options in a shell
     #[command(args = [hidden_set(), hidden_out(), hidden_json()], after_help = EXIT_STATUS)]
     Completions {
@@ -226,6 +233,7 @@ pub fn main() -> ExitCode {
         Command::Export { scene } => command::export::export(&scene, &common),
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
         Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
+        Command::Explain { words } => command::explain::explain(&words, &common),
         Command::Completions { shell } => command::completions::completions(shell),
         Command::Report { directories } => command::report::report(&directories, &common),
     };

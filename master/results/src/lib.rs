@@ -14,6 +14,7 @@ mod animation;
 mod detail;
 mod directory;
 mod error;
+pub mod explain;
 mod head;
 mod record;
 pub mod recorder;

@@ -8,12 +8,14 @@
 //! | `sweep` | many cases of one scene, one table |
 //! | `check`, `inspect` | a scene before its run; an FMU before its use |
 //! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
+//! | `explain` | what a key, a figure, a limit or a note means |
 //! | `completions` | scripts for shells |
 
 pub mod check;
 pub mod compare;
 pub mod completions;
 pub mod experiment;
+pub mod explain;
 pub mod export;
 pub mod inspect;
 pub mod latency;
@@ -94,6 +96,17 @@ pub enum CommandError {
         nearest: String,
         /// All names.
         known: String,
+    },
+    /// A word that stands for nothing.
+    #[error(
+        "{typed}: is no key of a scene, no figure, no standard and no note; expected one, such as {nearest}, or a limit \
+         as in \"EN 50367 std\""
+    )]
+    Unexplained {
+        /// As typed.
+        typed: String,
+        /// Names that are spelt alike.
+        nearest: String,
     },
     /// A flag of `master study` that belongs to a sweep which is not made.
     #[error(

@@ -92,7 +92,8 @@ fn force<T>(of: Option<ForceStatistics>, figure: fn(&ForceStatistics) -> T) -> O
 /// Bands, quantiles and the other filter.
 pub(super) fn bands(runs: &[NamedRun<'_>]) -> String {
     let heads = all(runs);
-    let columns: [PageColumn<Row<(Band, Option<f64>)>>; 4] = [
+    type Entry = (Band, Option<f64>);
+    let columns: [PageColumn<Row<Entry>>; 4] = [
         named(),
         ("band", "[Hz]", "s", |row| {
             format!("{} to {}", row.entry.0.from_hz, row.entry.0.to_hz)

@@ -1,0 +1,127 @@
+//! Explanations of the words of a result: figures, limits and notes.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `glossary` | figures, causes of an error, parts of a note |
+//! | `limits` | clause, figure and certainty of each limit, over systems and speeds |
+
+mod glossary;
+mod limits;
+
+use serde::Serialize;
+
+pub use glossary::{Word, glossary};
+pub use limits::{LimitText, limits};
+
+/// Everything that is known of a word.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Explanation {
+    /// Figures and notes of that name.
+    pub words: Vec<Word>,
+    /// Limits of that standard or quantity.
+    pub limits: Vec<LimitText>,
+}
+
+impl Explanation {
+    /// Explanation of `typed`: the name of a figure, cause or note, a quantity that is limited, a standard, or both as in
+    /// `EN 50367 std`.
+    #[must_use]
+    pub fn of(typed: &str) -> Self {
+        let typed = typed.trim();
+        let words = glossary()
+            .iter()
+            .filter(|word| word.is_called(typed))
+            .copied()
+            .collect();
+        let limits = limits().into_iter().filter(|limit| limit.is_called(typed)).collect();
+        Self { words, limits }
+    }
+
+    /// True where nothing is known.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty() && self.limits.is_empty()
+    }
+
+    /// Names that are explained.
+    #[must_use]
+    pub fn names() -> Vec<String> {
+        let words = glossary()
+            .iter()
+            .flat_map(|word| word.names)
+            .map(|name| (*name).to_owned());
+        let limits = limits().into_iter().flat_map(|limit| [limit.standard, limit.quantity]);
+        let mut names: Vec<String> = words.chain(limits).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// The explanation as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let words = self.words.iter().map(Word::text);
+        let limits = self.limits.iter().map(LimitText::text);
+        words.chain(limits).collect::<Vec<_>>().join("\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Summary;
+    use crate::tests::run;
+
+    #[test]
+    fn every_limit_of_a_run_and_every_cause_of_an_error_is_explained() {
+        let (info, record) = run(true);
+        for limit in Summary::new(&info, &record).limits {
+            let typed = format!("{} {}", limit.standard, limit.quantity);
+            let found = Explanation::of(&typed);
+            assert_eq!(found.limits.len(), 1, "{typed}");
+            assert!(!Explanation::of(&limit.quantity).words.is_empty(), "{}", limit.quantity);
+        }
+        let causes = scene::Reduction::ALL.iter().map(|reduction| reduction.name());
+        for cause in causes.chain(["mesh", "step", "newton_tolerance", "coupling"]) {
+            assert!(!Explanation::of(cause).words.is_empty(), "{cause}");
+        }
+        assert!(Explanation::of("nothing").is_empty());
+    }
+
+    #[test]
+    fn a_limit_tells_its_figure_for_each_system_and_speed_with_clause_and_certainty() {
+        let text = Explanation::of("EN 50367 mean").text();
+        for part in [
+            "2012, Table 6",
+            "0.00097 v² + 70 N",
+            "0.00228 v² + 90 N",
+            "[R]",
+            "[C]",
+            "ac_25kv",
+            "dc_1_5kv",
+            "remedy",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        // One standard: all of its limits.
+        assert!(Explanation::of("en 50119").limits.len() >= 5);
+    }
+
+    #[test]
+    fn a_figure_is_found_by_each_of_its_names() {
+        for name in ["std", "σ", "Standard deviation"] {
+            let found = Explanation::of(name);
+            assert_eq!(found.words.len(), 1, "{name}");
+            assert!(found.text().contains("1/n Σ (Fᵢ − mean)²"), "{}", found.text());
+        }
+        let mut names: Vec<String> = glossary()
+            .iter()
+            .flat_map(|word| word.names)
+            .map(|name| name.to_lowercase())
+            .collect();
+        let all = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), all, "a name stands for one thing");
+    }
+}
