@@ -57,6 +57,7 @@ mod one_motion;
 mod overrides;
 mod pantograph;
 mod plausible;
+mod ranges;
 mod reference;
 mod renames;
 mod run;
@@ -89,6 +90,7 @@ pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageS
 pub use mesh::{AxialStrain, Correction, Element, Mesh, MeshChoice};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
+pub use ranges::{Mark, Range};
 pub use reference::{KeyText, keys as described_keys, reference};
 pub use run::{Electrification, Evaluate, ForceFilter, Initialise, Run, kmh};
 pub use scene::{Line, Scene, SceneFile};

@@ -7,6 +7,7 @@ use crate::expand::{FILE_KEYS, apply_rules, take_files};
 use crate::files::Files;
 use crate::keys::{Entry, Keys, Sentences, read, write};
 use crate::overrides::{last_key, override_with};
+use crate::ranges::{Range, take_ranges};
 use crate::tree::{At, Sources, Table, parse};
 use crate::{
     Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind,
@@ -56,6 +57,8 @@ pub enum Line {
 pub struct SceneFile<'a> {
     /// Every key read; not yet checked across keys, and with what it leaves to be chosen.
     pub scene: Scene,
+    /// Ranges that numbers of it may have.
+    pub ranges: Vec<Range>,
     root: Table,
     sources: Sources<'a>,
 }
@@ -86,6 +89,8 @@ impl<'a> SceneFile<'a> {
         let of_files = |text: &str| last_key(text).is_some_and(|key| FILE_KEYS.contains(&key.as_str()));
         agree(override_with(&mut root, overrides, of_files))?;
         agree(take_files(&mut root, files))?;
+        let (ranges, wrong) = take_ranges(&mut root);
+        agree(wrong)?;
         agree(override_with(&mut root, overrides, |text| !of_files(text)))?;
         agree(apply_rules(&mut root))?;
         free_step(&mut root);
@@ -94,7 +99,12 @@ impl<'a> SceneFile<'a> {
         if let Some(accuracy) = &mut scene.run.accuracy {
             accuracy.open = open;
         }
-        Ok(Self { scene, root, sources })
+        Ok(Self {
+            scene,
+            ranges,
+            root,
+            sources,
+        })
     }
 
     /// True where the key with this path was typed.

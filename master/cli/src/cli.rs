@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::command::{self, CommandError, latency, run, study, sweep};
+use crate::command::{self, CommandError, latency, run, sensitivity, study, sweep};
 use experiments::compare;
 use experiments::engine::table::macro_step;
 use fmi2::isolation;
@@ -97,6 +97,9 @@ enum Command {
     /// Runs many cases of one scene on all cores, into one table
     #[command(after_long_help = sweep_help())]
     Sweep(sweep::SweepArguments),
+    /// How much results depend on numbers that are not known for certain: each at the ends of its range
+    #[command(after_help = EXIT_STATUS)]
+    Sensitivity(sensitivity::SensitivityArguments),
     /// Runs a scene at the pace of real time: how long its steps take, and how many end late
     #[command(after_help = EXIT_STATUS)]
     Latency(latency::LatencyArguments),
@@ -219,6 +222,7 @@ pub fn main() -> ExitCode {
         }
         Command::Study(arguments) => study::study(&arguments, &common),
         Command::Sweep(arguments) => sweep::sweep(&arguments, &common),
+        Command::Sensitivity(arguments) => sensitivity::sensitivity(&arguments, &common),
         Command::Latency(arguments) => latency::latency(&arguments, &common),
         Command::Reproduce {
             what: Publication::Thesis,

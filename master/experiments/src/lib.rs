@@ -15,4 +15,4 @@ pub mod reproduce;
 pub mod stability;
 pub mod study;
 
-pub use study::rank;
+pub use study::{identity, rank};

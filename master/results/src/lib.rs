@@ -35,5 +35,5 @@ pub use record::{LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, 
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
     Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,
-    StripSummary, Summary, SupportUplift, Uplift,
+    StripSummary, Summary, SupportUplift, Uncertainty, Uplift,
 };

@@ -35,6 +35,8 @@ pub struct RunInfo {
     pub model: Model,
     /// Expected error.
     pub accuracy: Accuracy,
+    /// Uncertainty by numbers of the scene that are not known for certain; empty where it is not known.
+    pub uncertainty: Vec<Uncertainty>,
     /// Cost of the run.
     pub cost: Cost,
     /// Free remarks.
@@ -120,6 +122,23 @@ pub struct Accuracy {
     pub cost_of_whole_line: Option<f64>,
 }
 
+/// Uncertainty of a figure by numbers of the scene that are not known for certain, from a sensitivity analysis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Uncertainty {
+    /// Pantograph, from 1.
+    pub pantograph: usize,
+    /// `std`, `mean`, `max`, `min`, `loss` or `uplift`.
+    pub figure: String,
+    /// Unit.
+    pub unit: String,
+    /// Change downward that all numbers make together.
+    pub below: f64,
+    /// Change upward.
+    pub above: f64,
+    /// Keys with the largest effects.
+    pub largest: Vec<String>,
+}
+
 /// One share of an expected error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorShare {
@@ -203,6 +222,9 @@ pub struct Summary {
     /// Expected error.
     #[serde(default)]
     pub accuracy: Accuracy,
+    /// Uncertainty by numbers of the scene that are not known for certain.
+    #[serde(default)]
+    pub uncertainty: Vec<Uncertainty>,
     /// Cost of the run.
     pub cost: Cost,
     /// Free remarks.
@@ -367,9 +389,17 @@ impl Summary {
             limits,
             model: info.model.clone(),
             accuracy: info.accuracy.clone(),
+            uncertainty: info.uncertainty.clone(),
             cost: info.cost.clone(),
             notes,
         }
+    }
+
+    /// Uncertainty of a figure of a pantograph (from 1), where it is known.
+    #[must_use]
+    pub fn uncertainty_of(&self, pantograph: usize, figure: &str) -> Option<&Uncertainty> {
+        let of = |known: &&Uncertainty| known.pantograph == pantograph && known.figure == figure;
+        self.uncertainty.iter().find(of)
     }
 
     /// Name of the run in legends: scene and mode.

@@ -482,6 +482,7 @@ impl Prepared {
             coupling,
             model: self.model(),
             accuracy: accuracy::of(scene, mode, step),
+            uncertainty: Vec::new(),
             cost: results::Cost {
                 wall_s: outcome.wall,
                 setup_s: setup,

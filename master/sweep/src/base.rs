@@ -86,6 +86,15 @@ impl Base {
         SceneFile::read(&self.text, &self.origin, &self.all_overrides(more), &files).map(|file| file.scene)
     }
 
+    /// Ranges of numbers that the scene gives.
+    ///
+    /// # Errors
+    /// Keys that are unknown, missing, of the wrong type or out of range.
+    pub fn ranges(&self) -> Result<Vec<scene::Range>, SceneError> {
+        let files = Files::new(|path| self.file(path));
+        SceneFile::read(&self.text, &self.origin, &self.overrides, &files).map(|file| file.ranges)
+    }
+
     /// Hash of the scene and of every file that it names; `scene` is the scene as read, without further keys.
     #[must_use]
     pub fn hash(&self, scene: &Scene) -> String {

@@ -14,6 +14,7 @@
 //! | `run` | [`Sweep`]: all cases on a pool, tables at the end |
 //! | `table`, `parquet` | the table as CSV and as Parquet |
 //! | `page` | `sweep.html` |
+//! | `sensitivity` | how much results depend on numbers that are not known for certain |
 //!
 //! Workers, status and identity are those of [`experiments::engine`]. Its
 //! [`Experiment`](experiments::engine::Experiment) and store are not used: these hold the whole plan and all runs in
@@ -32,6 +33,7 @@ pub mod parquet;
 pub mod plan;
 pub mod record;
 pub mod run;
+pub mod sensitivity;
 pub mod table;
 #[cfg(test)]
 mod tests;

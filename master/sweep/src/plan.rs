@@ -295,7 +295,7 @@ impl Plan {
     #[must_use]
     pub fn cases(&self) -> Cases<'_> {
         let units = match self.design {
-            Design::Factorial => None,
+            Design::Factorial | Design::OneAtATime => None,
             Design::Sample(sample) => Some(UnitPoints::new(sample, self.varied.len())),
         };
         Cases {
@@ -375,7 +375,7 @@ fn check_names(varied: &[Varied], derived: &[(String, Typed)]) -> Result<(), Swe
 /// Number of combinations or samples.
 fn points(varied: &[Varied], design: Design) -> Result<u64, SweepError> {
     match design {
-        Design::Factorial => {
+        Design::Factorial | Design::OneAtATime => {
             let mut points = 1_u64;
             for varied in varied {
                 let Values::Listed(values) = &varied.values else {
@@ -386,7 +386,11 @@ fn points(varied: &[Varied], design: Design) -> Result<u64, SweepError> {
                     );
                     return Err(SweepError::wish(&varied.place, what));
                 };
-                points = points.saturating_mul(values.len() as u64);
+                let values = values.len() as u64;
+                points = match design {
+                    Design::OneAtATime => points + values.saturating_sub(1),
+                    _ => points.saturating_mul(values),
+                };
             }
             if points > MOST_SAMPLES {
                 let what =
@@ -443,6 +447,9 @@ impl Cases<'_> {
                     .collect(),
             );
         }
+        if self.plan.design == Design::OneAtATime {
+            return one_at_a_time(varied, index);
+        }
         let mut values = Vec::with_capacity(varied.len());
         for varied in varied.iter().rev() {
             let Values::Listed(listed) = &varied.values else {
@@ -454,6 +461,26 @@ impl Cases<'_> {
         values.reverse();
         Some(values)
     }
+}
+
+/// Values of combination `index` (from 0) where one key at a time has another than its first value.
+fn one_at_a_time(varied: &[Varied], index: u64) -> Option<Vec<Value>> {
+    let mut further = index.checked_sub(1);
+    let mut values = Vec::with_capacity(varied.len());
+    for varied in varied {
+        let Values::Listed(listed) = &varied.values else {
+            return None;
+        };
+        let own = listed.len() as u64 - 1;
+        let chosen = match further {
+            Some(place) if place < own => place as usize + 1,
+            _ => 0,
+        };
+        // Once a key has taken its place, those behind have their first values.
+        further = further.and_then(|place| place.checked_sub(own));
+        values.push(listed[chosen].clone());
+    }
+    Some(values)
 }
 
 impl Iterator for Cases<'_> {

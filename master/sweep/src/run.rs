@@ -267,6 +267,19 @@ impl Sweep {
         Ok(())
     }
 
+    /// Records of the finished cases in `folder`, in order.
+    ///
+    /// # Errors
+    /// See [`Journal::open`].
+    pub fn records(&self, folder: &Path) -> Result<Vec<Record>, SweepError> {
+        let mut journal = self.journal(folder)?;
+        let mut records = Vec::new();
+        for case in self.plan.cases() {
+            records.extend(journal.record(case.number)?);
+        }
+        Ok(records)
+    }
+
     /// Writes tables and page of the finished cases, each file beside its place first.
     ///
     /// # Errors

@@ -5,7 +5,7 @@
 //! | `run`, `report` | one scene in one mode; its page again, or several on one page |
 //! | `compare`, `study`, `stability`, `reproduce` | experiments: many runs, one table |
 //! | `experiment` | outputs of these four: results kept after every run, page and tables at the end |
-//! | `sweep` | many cases of one scene, one table |
+//! | `sweep`, `sensitivity` | many cases of one scene, one table; effects of numbers that are not certain |
 //! | `check`, `inspect` | a scene before its run; an FMU before its use |
 //! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
 //! | `explain` | what a key, a figure, a limit or a note means |
@@ -23,6 +23,7 @@ pub mod package;
 pub mod report;
 pub mod reproduce;
 pub mod run;
+pub mod sensitivity;
 pub mod stability;
 pub mod study;
 pub mod sweep;

@@ -84,6 +84,10 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     let rank = [&directory, &default]
         .into_iter()
         .find_map(|folder| experiments::rank(folder, &file.scene, &file.base, mode));
+    let identity = experiments::identity(&file.scene, &file.base);
+    let uncertainty = [&directory, &default]
+        .into_iter()
+        .find_map(|runs| ::sweep::sensitivity::uncertainty(&super::sensitivity::folder(runs), &identity));
     let prepared = prepare(file.scene, &file.name, &file.base, logging);
     let mut prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     prepared.pictures = !arguments.no_animation;
@@ -112,6 +116,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     });
     let mut finished = finished.map_err(|error| error.in_scene(path))?;
     finished.info.notes.extend(rank);
+    finished.info.uncertainty = uncertainty.unwrap_or_default();
     progress.finish();
     let (output, text) = output.expect("a run that ended has begun");
     let reason = finished.info.incomplete_reason.clone();

@@ -125,7 +125,7 @@ pub fn sweep(arguments: &SweepArguments, common: &Common) -> Result<(), CommandE
 }
 
 /// Text of a file of TOML; a system is no scene whose keys could be varied from text.
-fn text_of(found: &Path, path: &Path) -> Result<String, CommandError> {
+pub(super) fn text_of(found: &Path, path: &Path) -> Result<String, CommandError> {
     if has_extension(found, "ssp") {
         let instead = ", made of a system by `master run`: the scene.toml beside its results";
         let path = path.to_owned();

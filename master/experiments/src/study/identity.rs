@@ -27,7 +27,8 @@ fn hash(bytes: &[u8]) -> String {
 /// Hash of a scene without the keys that a run changes or [`settings`] holds, without its texts, and without what it
 /// leaves to be found: start, duration. Files that it names, supplied FMUs and tables, count by their bytes, wherever
 /// they are; paths are relative to `base`. Runs of scenes with the same hash can be compared.
-pub(super) fn identity(scene: &Scene, base: &Path) -> String {
+#[must_use]
+pub fn identity(scene: &Scene, base: &Path) -> String {
     const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
     const KEYS: [(&str, &str); 5] = [
         ("", "title"),

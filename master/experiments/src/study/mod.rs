@@ -34,6 +34,7 @@ mod tests;
 mod text;
 mod vehicle;
 
+pub use identity::identity;
 pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
 pub use options::{Options, Sweep};
 pub use order::Order;

@@ -84,15 +84,27 @@ fn tiles(s: &Summary) -> String {
         let force = pantograph.contact_force.filtered;
         let std = force.map(|f| f.std);
         let loss = pantograph.contact_force.loss_of_contact_percent;
+        let named = |figure: &str, name: &str| match s.uncertainty_of(index + 1, figure) {
+            Some(known) => format!("{name}<br>model −{:.1}/+{:.1} {}", known.below, known.above, known.unit),
+            None => name.to_owned(),
+        };
         let mut cards = vec![
-            card(&number(force.map(|f| f.mean), 1), "N", "mean contact force"),
-            card(&number(std, 1), &deviation(s, std), "standard deviation σ"),
-            card(&number(force.map(|f| f.max), 1), "N", "maximum"),
-            card(&number(force.map(|f| f.min), 1), "N", "minimum"),
-            card(&number(loss, 2), "%", "loss of contact"),
+            card(
+                &number(force.map(|f| f.mean), 1),
+                "N",
+                &named("mean", "mean contact force"),
+            ),
+            card(
+                &number(std, 1),
+                &deviation(s, std),
+                &named("std", "standard deviation σ"),
+            ),
+            card(&number(force.map(|f| f.max), 1), "N", &named("max", "maximum")),
+            card(&number(force.map(|f| f.min), 1), "N", &named("min", "minimum")),
+            card(&number(loss, 2), "%", &named("loss", "loss of contact")),
         ];
         if index == 0 {
-            cards.push(card(&number(uplift, 1), "mm", "uplift at support"));
+            cards.push(card(&number(uplift, 1), "mm", &named("uplift", "uplift at support")));
             cards.push(card(&number(s.cost.real_time_factor, 3), "", "real-time factor"));
         }
         if several {
@@ -177,8 +189,22 @@ pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
     }
     html.push_str("</tbody></table></div>\n");
     html.push_str(&ranges(runs));
+    html.push_str(&uncertain(runs));
     html.push_str(&notes(runs));
     html
+}
+
+/// Sentence on the numbers that the figures depend on most.
+fn uncertain(runs: &[NamedRun<'_>]) -> String {
+    let [run] = runs else { return String::new() };
+    let Some(known) = run.summary.uncertainty_of(1, "std") else {
+        return String::new();
+    };
+    format!(
+        "<p class=\"caption\">Model: changes within the ranges of numbers that are not known for certain, by a \
+         sensitivity analysis of this scene. σ depends most on {}.</p>\n",
+        escape(&known.largest.join(", "))
+    )
 }
 
 /// Sentence on the time over which the figures were taken.

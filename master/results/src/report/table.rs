@@ -180,7 +180,17 @@ fn figures(summary: &Summary) -> String {
             line(&filtered, strip.filtered, strip.loss_of_contact_percent);
         }
     }
-    aligned(&rows)
+    let mut text = aligned(&rows);
+    for known in summary.uncertainty.iter().filter(|known| known.figure == "std") {
+        text.push_str(&format!(
+            "  pantograph {}: std −{:.2}/+{:.2} N by numbers that are not known for certain, most by {}\n",
+            known.pantograph,
+            known.below,
+            known.above,
+            known.largest.join(", ")
+        ));
+    }
+    text
 }
 
 /// Parts modelled, each on a line, and those left out in one.

@@ -55,6 +55,8 @@ pub struct Sample {
 pub enum Design {
     /// All combinations of listed values, the last key changing first.
     Factorial,
+    /// The first listed value of every key, then each further value of one key beside the first ones of all others.
+    OneAtATime,
     /// Samples.
     Sample(Sample),
 }
