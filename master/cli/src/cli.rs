@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::command::{self, CommandError, latency, run, sensitivity, study, sweep};
+use crate::command::{self, CommandError, latency, run, sensitivity, study, sweep, validate};
 use experiments::compare;
 use experiments::engine::table::macro_step;
 use fmi2::isolation;
@@ -147,6 +147,9 @@ enum Command {
         #[arg(long)]
         quick: bool,
     },
+    /// Runs a reference model of a standard in every mode: figures against their ranges, as a record to keep
+    #[command(args = [hidden_set()], after_help = RUN_STATUS)]
+    Validate(validate::ValidateArguments),
     /// Explains a key of a scene, a figure, a limit of a standard or a note
     #[command(args = [hidden_set(), hidden_out()], after_help = EXIT_STATUS)]
     Explain {
@@ -237,6 +240,7 @@ pub fn main() -> ExitCode {
         Command::Export { scene } => command::export::export(&scene, &common),
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
         Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
+        Command::Validate(arguments) => validate::validate(&arguments, &common),
         Command::Explain { words } => command::explain::explain(&words, &common),
         Command::Completions { shell } => command::completions::completions(shell),
         Command::Report { directories } => command::report::report(&directories, &common),

@@ -6,6 +6,7 @@
 //! | `compare`, `study`, `stability`, `reproduce` | experiments: many runs, one table |
 //! | `experiment` | outputs of these four: results kept after every run, page and tables at the end |
 //! | `sweep`, `sensitivity` | many cases of one scene, one table; effects of numbers that are not certain |
+//! | `validate` | reference models against their ranges, as a record |
 //! | `check`, `inspect` | a scene before its run; an FMU before its use |
 //! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
 //! | `explain` | what a key, a figure, a limit or a note means |
@@ -27,6 +28,7 @@ pub mod sensitivity;
 pub mod stability;
 pub mod study;
 pub mod sweep;
+pub mod validate;
 
 use std::fs::File;
 use std::io::Write as _;
@@ -97,6 +99,19 @@ pub enum CommandError {
         nearest: String,
         /// All names.
         known: String,
+    },
+    /// A reference model that is none, or a case that cannot be run.
+    #[error(transparent)]
+    Validation(Box<validation::ValidationError>),
+    /// Figures of a reference model outside of their ranges.
+    #[error("{standard}: {failed} of the figures lie outside of their ranges; the record is in {}", directory.display())]
+    NotValid {
+        /// Standard.
+        standard: String,
+        /// Number of figures.
+        failed: usize,
+        /// Folder of the record.
+        directory: PathBuf,
     },
     /// A word that stands for nothing.
     #[error(
@@ -221,7 +236,8 @@ impl CommandError {
             | Self::Package(_)
             | Self::Json(_) => 1,
             Self::Sweep(error) if !error.is_input() => 1,
-            Self::LimitsFailed { .. } => 3,
+            Self::Validation(error) if !error.is_input() => 1,
+            Self::LimitsFailed { .. } | Self::NotValid { .. } => 3,
             _ => 2,
         }
     }

@@ -85,7 +85,10 @@ fn tiles(s: &Summary) -> String {
         let std = force.map(|f| f.std);
         let loss = pantograph.contact_force.loss_of_contact_percent;
         let named = |figure: &str, name: &str| match s.uncertainty_of(index + 1, figure) {
-            Some(known) => format!("{name}<br>model −{:.1}/+{:.1} {}", known.below, known.above, known.unit),
+            Some(known) => format!(
+                "{name}<br>model −{:.1}/+{:.1}&nbsp;{}",
+                known.below, known.above, known.unit
+            ),
             None => name.to_owned(),
         };
         let mut cards = vec![

@@ -131,6 +131,9 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
     })
 }
 
+/// Limits with the least room that are shown where none fails.
+const NEAREST: usize = 3;
+
 /// Verdict on `limits` in one sentence, and a table of those that are decided.
 pub(super) fn of_limits(limits: &[Limit]) -> String {
     let any = |pass: bool| limits.iter().any(|limit| limit.pass == Some(pass));
@@ -145,18 +148,26 @@ pub(super) fn of_limits(limits: &[Limit]) -> String {
         let columns = [("limit", false), ("value", true), ("limit", true), ("margin", true)];
         let head = head_cells(columns.map(|(name, is_number)| (name, "", is_number)));
         let head = format!("<th></th>{head}");
-        let lines = |pass: bool| lined(&head, lines(limits, pass));
-        let held = limits.iter().filter(|limit| limit.pass == Some(true)).count();
-        match (any(false), held) {
-            (false, _) => html.push_str(&lines(true)),
-            (true, 0) => html.push_str(&lines(false)),
-            // What fails stands first and alone.
-            (true, held) => html.push_str(&format!(
-                "{}<details><summary>{}</summary>{}</details>\n",
-                lines(false),
-                counted(held, "limit holds", "limits hold"),
-                lines(true)
-            )),
+        // What fails stands first and alone; where nothing does, those with the least room.
+        let (failing, holding): (Vec<String>, Vec<String>) =
+            (lines(limits, false).collect(), lines(limits, true).collect());
+        let shown = if failing.is_empty() {
+            holding.len().min(NEAREST)
+        } else {
+            0
+        };
+        html.push_str(&lined(
+            &head,
+            failing.into_iter().chain(holding[..shown].iter().cloned()),
+        ));
+        let folded = holding.len() - shown;
+        if folded > 0 {
+            let more = if shown > 0 { "more " } else { "" };
+            html.push_str(&format!(
+                "<details><summary>{}</summary>{}</details>\n",
+                counted(folded, &format!("{more}limit holds"), &format!("{more}limits hold")),
+                lined(&head, holding[shown..].iter().cloned())
+            ));
         }
     }
     html

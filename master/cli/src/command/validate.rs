@@ -1,0 +1,94 @@
+//! `master validate`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{CommandError, found, interrupted, nothing_to_set, print, print_json, scene_text};
+use crate::cli::Common;
+use cosim::package;
+use results::report::{Progress, Show};
+use results::{OutputDirectory, ResultsError};
+use validation::{JSON, PAGE, ReferenceModel, Surroundings, ValidationError, record};
+
+/// Reference models that come with the program, by their names.
+const KNOWN: [(&str, &str); 1] = [("EN50318-2002", "standards/en50318-2002.toml")];
+
+/// Arguments of `master validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArguments {
+    /// EN50318-2002, or a file of cases with their ranges
+    #[arg(value_name = "EN50318-2002|FILE", default_value = KNOWN[0].0)]
+    model: String,
+}
+
+impl From<ValidationError> for CommandError {
+    fn from(error: ValidationError) -> Self {
+        Self::Validation(Box::new(error))
+    }
+}
+
+/// Runs a reference model in every mode and writes the record.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn validate(arguments: &ValidateArguments, common: &Common) -> Result<(), CommandError> {
+    nothing_to_set("master validate", common)?;
+    let typed = arguments.model.as_str();
+    let known = KNOWN.iter().find(|(name, _)| name.eq_ignore_ascii_case(typed));
+    let named = known.map_or_else(|| PathBuf::from(typed), |(_, path)| PathBuf::from(path));
+    let path = found(&named);
+    let text = scene_text(&path, &named)?;
+    let model = ReferenceModel::read(&text, &named.display().to_string())?;
+    // The libraries are made before runs that need them.
+    package::Libraries::find()?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let directory = common
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(format!("validation-{name}")));
+    let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+    let show = if common.quiet { Show::Never } else { Show::OnTerminal };
+    let progress = Progress::share(&name, show);
+    let around = Surroundings {
+        folder: path.parent().unwrap_or(Path::new("")),
+        fmus: package::folder(&format!("validation-{name}")),
+        interrupted: interrupted(common),
+        progress: &progress,
+        date: chrono::Utc::now().format("%Y-%m-%d %H:%M UTC").to_string(),
+    };
+    let found = record(&model, &text, &around)?;
+    progress.finish();
+    let json = |out: &mut dyn std::io::Write, path: &Path| {
+        serde_json::to_writer_pretty(&mut *out, &found).map_err(|source| ResultsError::Json {
+            path: path.to_owned(),
+            source,
+        })?;
+        out.write_all(b"\n").map_err(results::io(path, "write"))
+    };
+    output.replace(JSON, json).map_err(CommandError::Results)?;
+    output.write_page(PAGE, &found.page()).map_err(CommandError::Results)?;
+    if common.json {
+        print_json(&found)?;
+    } else if !common.quiet {
+        print(&format!(
+            "{}\n{JSON} and {PAGE} in {}\n",
+            found.text(),
+            directory.display()
+        ))?;
+    }
+    if found.pass {
+        return Ok(());
+    }
+    let failed = found
+        .cases
+        .iter()
+        .flat_map(|case| &case.figures)
+        .filter(|figure| !figure.pass)
+        .count();
+    Err(CommandError::NotValid {
+        standard: found.standard.clone(),
+        failed,
+        directory,
+    })
+}
