@@ -1,6 +1,7 @@
 //! Every page in a browser: no error, every figure drawn, every button at work, nothing wider than the screen.
 
 mod browser;
+mod validate;
 
 use std::path::Path;
 use std::process::Command;
@@ -40,7 +41,10 @@ fn page(arguments: &[&str], keys: &[&str], folder: &Path, name: &str) -> String 
     std::fs::read_to_string(folder.join(name)).unwrap()
 }
 
-fn sound(name: &str, html: &str, figures: usize) {
+/// Looks at a page with at least so many figures.
+fn sound(name: &str, html: &str, least: usize) {
+    let figures = html.matches("class=\"plot\"").count();
+    assert!(figures >= least, "{name}: {figures} figures");
     let seen = look(html, &WIDTHS);
     assert_eq!(seen.len(), WIDTHS.len());
     let faults: Vec<String> = seen.iter().flat_map(browser::Seen::faults).collect();
@@ -122,6 +126,20 @@ fn pages_of_check_sweep_stability_and_compare_are_sound() {
     );
     let compare = ["compare", &line, "--macro-steps", "2,5"];
     sound("compare", &page(&compare, &SHORT, to, "compare.html"), 1);
+}
+
+#[test]
+fn pages_of_sensitivity_and_validation_are_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path();
+    let line = scene("en50318-250");
+    let arguments = ["sensitivity", &line, "--range", "contact.stiffness=4e4:6e4"];
+    let html = page(&arguments, &SHORT, &to.join("sensitivity"), "sensitivity.html");
+    // Loss of contact does not depend on any of the numbers here: no figure.
+    sound("sensitivity", &html, 5);
+    let model = validate::model(to, (0.0, 1000.0));
+    let html = page(&["validate", &model], &[], &to.join("validation"), "validation.html");
+    sound("validation", &html, 0);
 }
 
 #[test]

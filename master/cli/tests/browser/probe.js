@@ -15,7 +15,7 @@
     if (figures.length > 0) await until(() => root.dataset.figures);
     await wait(50);
     // A curve, a mark or a cell of a map.
-    const drawn = (box) => box.querySelector("path.js-line, path.point, .hm image, .parcoords canvas, .parcoords-line-layers") !== null;
+    const drawn = (box) => box.querySelector("path.js-line, path.point, g.point path, .hm image, .parcoords canvas, .parcoords-line-layers") !== null;
     const wide = [...page.document.querySelectorAll("main *")]
       .filter((part) => !part.closest(".scroll, .track, pre, .plot, svg") && part.getBoundingClientRect().right > width + 1);
     const seen = {
@@ -42,9 +42,14 @@
       seen.buttons += 1;
       const readout = page.document.querySelector("[data-role=readout]");
       await until(() => readout.textContent !== "");
-      const before = readout.textContent;
-      play.click();
-      if (!(await until(() => readout.textContent !== before))) seen.idle.push("Play");
+      // Three tries: a machine under load may not draw a picture in time.
+      let moved = false;
+      for (let n = 0; n < 3 && !moved; n += 1) {
+        const before = readout.textContent;
+        play.click();
+        moved = await until(() => readout.textContent !== before);
+      }
+      if (!moved) seen.idle.push("Play");
     }
     frame.remove();
     return seen;
