@@ -40,14 +40,14 @@ pub struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Opens the directory, with runs in its folder `runs`; the page of an earlier run, which may be one of another
-    /// table, is removed.
+    /// Opens the directory, with runs in its folder `runs`, and takes hold of it.
     ///
     /// # Errors
-    /// A directory that cannot be written to.
+    /// A directory that cannot be written to, or that another process writes to.
     pub fn open(directory: &Path, runs: &str, files: Files, common: &'a Common) -> Result<Self, CommandError> {
-        let output = OutputDirectory::open(directory).map_err(CommandError::Directory)?;
-        output.remove(files.page).map_err(CommandError::Directory)?;
+        let mut output = OutputDirectory::open(directory).map_err(CommandError::Directory)?;
+        let holder = format!("`master`, for {},", files.csv);
+        output.lock(&holder).map_err(CommandError::Directory)?;
         let machine = Machine::this();
         let store = Store::open(&directory.join(runs), &machine).map_err(CommandError::Directory)?;
         Ok(Self {
@@ -84,6 +84,8 @@ impl<'a> Outputs<'a> {
             workers: self.machine.cores,
         };
         let table = execute(experiment, site, &mut |table| {
+            // The page of an earlier run may be one of another table.
+            self.output.remove(self.files.page)?;
             Csv.replace(table, &self.output, self.files.csv)?;
             Ok(more(table)?)
         });
