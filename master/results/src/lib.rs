@@ -23,6 +23,7 @@ pub mod statistics;
 mod summary;
 #[cfg(test)]
 pub(crate) mod tests;
+mod undecided;
 
 pub use animation::Animation;
 pub use directory::io;

@@ -3,6 +3,7 @@ use component::{DropperLine, Frame, Share};
 use super::*;
 
 mod exchange;
+mod undecided;
 
 /// A run of 2 s with two pantographs and easily known figures: the raw force of pantograph 1 is
 /// 100 N, that of pantograph 2 is 0 N in half of the samples.
