@@ -50,7 +50,9 @@ fn figures_of_a_record_that_says_nothing_are_not_decided_and_the_reason_is_given
                         gap,
                         ..
                     } = strip;
-                    [force, contact_x, contact_y, wire_z, strip_z, strip_vz, gap].map(thin);
+                    [force, contact_x, contact_y, wire_z, strip_z, strip_vz, gap]
+                        .into_iter()
+                        .for_each(thin);
                 }
                 record.supports.iter_mut().for_each(|support| thin(&mut support.uplift));
             },
