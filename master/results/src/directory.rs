@@ -108,6 +108,16 @@ impl OutputDirectory {
     /// [`ResultsError::Busy`] where another one holds the folder.
     pub fn lock(&mut self, holder: &str) -> Result<(), ResultsError> {
         self.lock = Some(Arc::new(lock::Lock::take(&self.path, holder)?));
+        self.clear()
+    }
+
+    /// Finishes what a killed run has begun to exchange, and removes what it has left. For the holder of the lock of this
+    /// folder or of the one around it.
+    ///
+    /// # Errors
+    ///
+    /// [`ResultsError::Io`] with the path and the reason.
+    pub fn clear(&self) -> Result<(), ResultsError> {
         exchange::recover(&self.path)
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use super::{CommandError, interrupted, print};
+use super::{CommandError, interrupted, print, print_as_it_is};
 use crate::cli::Common;
 use experiments::engine::export::{Csv, Exporter, Html, Json, Text};
 use experiments::engine::{Experiment, ExperimentError, Machine, Site, Store, Table, execute};
@@ -49,7 +49,10 @@ impl<'a> Outputs<'a> {
         let holder = format!("`master`, for {},", files.csv);
         output.lock(&holder).map_err(CommandError::Directory)?;
         let machine = Machine::this();
-        let store = Store::open(&directory.join(runs), &machine).map_err(CommandError::Directory)?;
+        let runs = directory.join(runs);
+        let kept = OutputDirectory::open(&runs).and_then(|kept| kept.clear());
+        kept.map_err(CommandError::Directory)?;
+        let store = Store::open(&runs, &machine).map_err(CommandError::Directory)?;
         Ok(Self {
             files,
             common,
@@ -101,7 +104,7 @@ impl<'a> Outputs<'a> {
         Html.replace(table, &self.output, self.files.page)
             .map_err(CommandError::Results)?;
         if self.common.json {
-            print(&Json.string(table).map_err(CommandError::Results)?)?;
+            print_as_it_is(&Json.string(table).map_err(CommandError::Results)?)?;
         } else if !self.common.quiet {
             let text = Text.string(table).map_err(CommandError::Results)?;
             let Files { csv, page } = self.files;

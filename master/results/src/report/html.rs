@@ -21,7 +21,7 @@ static PLOTLY: LazyLock<String> = LazyLock::new(|| {
     sources
 });
 
-/// Replaces the characters that have a meaning in HTML; control characters are shown as escapes.
+/// Replaces the characters that have a meaning in HTML.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -32,6 +32,7 @@ pub fn escape(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&#39;"),
+            // A page shows what a terminal would obey.
             c if c.is_control() && !c.is_whitespace() => escaped.extend(c.escape_unicode()),
             c => escaped.push(c),
         }
