@@ -60,8 +60,8 @@ impl Package {
         })
     }
 
-    /// `true` where `folder`, an unpacked archive, holds the entries of this package, all of them and no other, byte for
-    /// byte; `path` is for messages.
+    /// `true` where `folder`, an unpacked archive, holds the entries of this package, all of them and no other, byte
+    /// for byte; `path` is for messages.
     ///
     /// # Errors
     ///

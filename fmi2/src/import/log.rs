@@ -94,8 +94,8 @@ impl Environment {
         self.count.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// `#r12#` becomes the name of the variable, `##` becomes `#`, line breaks become blanks, and other control characters
-    /// are shown as escapes.
+    /// `#r12#` becomes the name of the variable, `##` becomes `#`, line breaks become blanks, and other control
+    /// characters are shown as escapes.
     fn readable(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
         let mut rest = text.trim_end();

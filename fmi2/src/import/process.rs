@@ -39,8 +39,8 @@ fn replace(by: RawFd, number: RawFd) -> io::Result<()> {
     Ok(())
 }
 
-/// Calls `install`, which may take hold of signals, and leaves the hangup ignored where it was ignored before: a program
-/// started by `nohup` outlives its terminal.
+/// Calls `install`, which may take hold of signals, and leaves the hangup ignored where it was ignored before: a
+/// program started by `nohup` outlives its terminal.
 pub fn with_hangup_as_it_was<T>(install: impl FnOnce() -> T) -> T {
     let mut before = std::mem::MaybeUninit::<libc::sigaction>::uninit();
     // SAFETY: a valid place for the present action; no new one is set.

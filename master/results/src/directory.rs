@@ -111,8 +111,8 @@ impl OutputDirectory {
         self.clear()
     }
 
-    /// Finishes what a killed run has begun to exchange, and removes what it has left. For the holder of the lock of this
-    /// folder or of the one around it.
+    /// Finishes what a killed run has begun to exchange, and removes what it has left. For the holder of the lock of
+    /// this folder or of the one around it.
     ///
     /// # Errors
     ///
@@ -254,8 +254,8 @@ fn write_summary(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
     })
 }
 
-/// Writes the file `name` of `folder` under a new name that no other process knows, and moves it to its place when it is
-/// complete.
+/// Writes the file `name` of `folder` under a new name that no other process knows, and moves it to its place when it
+/// is complete.
 fn replace(
     folder: &Path,
     name: &str,

@@ -1,4 +1,5 @@
-//! Records that say nothing about a limit: a verdict on them would be one on chance, on the filter or on a broken model.
+//! Records that say nothing about a limit: a verdict on them would be one on chance, on the filter or on a broken
+//! model.
 //!
 //! ```text
 //! ε[σ] = 1/(2 √(B T))      relative standard error of σ of noise of band B over the time T  [Bendat & Piersol, 8.2]
@@ -10,8 +11,8 @@
 use crate::standards::Limit;
 use crate::{Evaluation, Record};
 
-/// Fewest periods of the filter's cut-off frequency in the evaluated time, –: below, σ is uncertain by a sixth and more,
-/// and the ends of the filtered record are a large part of it.
+/// Fewest periods of the filter's cut-off frequency in the evaluated time, –: below, σ is uncertain by a sixth and
+/// more, and the ends of the filtered record are a large part of it.
 const PERIODS: f64 = 10.0;
 
 /// Fewest samples in a period of the cut-off frequency, –: with fewer, motion of a few times this frequency, which the
@@ -61,7 +62,8 @@ fn reasons(evaluation: &Evaluation, record: &Record, index: usize) -> Vec<String
     let needed = PERIODS / cutoff;
     if evaluated < needed * (1.0 - ROUNDING) {
         reasons.push(format!(
-            "{evaluated} s are evaluated, {:.1} periods of run.low_pass_hz = {cutoff} Hz; {PERIODS} are needed, {needed} s",
+            "{evaluated} s are evaluated, {:.1} periods of run.low_pass_hz = {cutoff} Hz; {PERIODS} are \
+             needed, {needed} s",
             evaluated * cutoff
         ));
     }
@@ -76,8 +78,8 @@ fn reasons(evaluation: &Evaluation, record: &Record, index: usize) -> Vec<String
     let depth = -gaps.iter().copied().fold(f64::INFINITY, f64::min);
     if depth > DEPTH && depth.is_finite() {
         reasons.push(format!(
-            "the strip is up to {depth:.3} m inside the contact wire, more than {DEPTH} m: contact.stiffness is too small \
-             to hold it"
+            "the strip is up to {depth:.3} m inside the contact wire, more than {DEPTH} m: contact.stiffness is too \
+             small to hold it"
         ));
     }
     reasons

@@ -86,8 +86,8 @@ pub(super) fn same_dimension(a: &BaseUnit, b: &BaseUnit) -> bool {
     a.exponents[..ANGLE] == b.exponents[..ANGLE]
 }
 
-/// The meaning of a unit's name: products of symbols joined by `.`, `*`, `·` or a space, each with an optional exponent;
-/// those after a `/` count inversely.
+/// The meaning of a unit's name: products of symbols joined by `.`, `*`, `·` or a space, each with an optional
+/// exponent; those after a `/` count inversely.
 pub(super) fn named(whole: &str) -> Option<BaseUnit> {
     let name = ["²", "³", "⁻"].into_iter().zip(["2", "3", "-"]);
     let name = name.fold(whole.trim().to_owned(), |text, (from, to)| text.replace(from, to));

@@ -48,8 +48,8 @@ const RESIDUAL: f64 = 1e-7;
 /// Options of a static solution of the wires of a line with at most so many iterations.
 ///
 /// The tension `T` moves the end of a wire of `n` elements, each of length `l`, by `n l T/EA`. Rounding of this
-/// displacement times the stiffness `EA/l` of the last element is a force that no iteration takes away, as is rounding of
-/// the strain times `EA`:
+/// displacement times the stiffness `EA/l` of the last element is a force that no iteration takes away, as is rounding
+/// of the strain times `EA`:
 ///
 /// ```text
 /// F = ε (n T + EA)

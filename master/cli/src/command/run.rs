@@ -143,8 +143,8 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     Ok(())
 }
 
-/// Keeps the FMUs of an unpacked archive with the results, in the folder `fmu`, so that the `scene.toml` there can be run
-/// again without the archive, and makes the scene refer to them.
+/// Keeps the FMUs of an unpacked archive with the results, in the folder `fmu`, so that the `scene.toml` there can be
+/// run again without the archive, and makes the scene refer to them.
 fn keep_fmus(scene: &mut Scene, unpacked: &Path, output: &mut OutputDirectory) {
     let unpacked = real(unpacked);
     for side in scene.supplied_sides_mut() {

@@ -44,8 +44,8 @@ pub(super) enum UnitProblem {
     )]
     Differ { from: String, to: String },
     #[error(
-        "the unit {unit} is not known: expected {other}, a unit defined in <Units> with its BaseUnit, or one made of SI \
-         symbols such as kN/m, N.s/mm, g or deg; a value in the unit of the variable may stand without a unit"
+        "the unit {unit} is not known: expected {other}, a unit defined in <Units> with its BaseUnit, or one made of \
+         SI symbols such as kN/m, N.s/mm, g or deg; a value in the unit of the variable may stand without a unit"
     )]
     Unknown { unit: String, other: String },
     #[error(

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// The body with a value of a parameter of the collector in a unit, and definitions of units in the set and in the system.
+/// The body with a value of a parameter of the collector in a unit, and definitions of units in the set and in the
+/// system.
 fn body(name: &str, value: &str, unit: &str, in_set: &str, in_system: &str) -> String {
     let set = "<v:Parameter name=\"unknown\">";
     let parameter = format!("<v:Parameter name=\"{name}\"><v:Real value=\"{value}\" unit=\"{unit}\"/></v:Parameter>");
