@@ -40,5 +40,7 @@ mod location;
 pub mod model_description;
 pub mod program;
 pub mod slave;
+mod text;
 
 pub use error::{Error, Log};
+pub use text::visible;

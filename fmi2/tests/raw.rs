@@ -245,3 +245,39 @@ fn null_pointers_are_fine_for_nothing_and_refused_for_something() {
     }
     raw.free(c);
 }
+
+#[test]
+fn a_state_in_memory_of_another_fmu_of_the_same_library_is_refused() {
+    let raw = Raw::new();
+    let other = tempfile::tempdir().unwrap();
+    for file in std::fs::read_dir(raw.example.fmu.folder().join("resources")).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), other.path().join(file.file_name())).unwrap();
+    }
+    let guid = "{00000000-0000-0000-0000-000000000000}";
+    std::fs::write(other.path().join("guid.txt"), guid).unwrap();
+    let first = raw.instantiate(Some("first"), 1, Some(raw.guid()), None);
+    let second = raw.instantiate(Some("second"), 1, Some(guid), other.path().to_str());
+    assert!(!first.is_null() && !second.is_null());
+    let (get, free) = (
+        raw.function::<StatePointerFn>("fmi2GetFMUstate"),
+        raw.function::<StatePointerFn>("fmi2FreeFMUstate"),
+    );
+    let set = raw.function::<SetStateFn>("fmi2SetFMUstate");
+    let size_of = raw.function::<StateSizeFn>("fmi2SerializedFMUstateSize");
+    let (mut state, mut size): (fmi2FMUstate, usize) = (null_mut(), 0);
+    // SAFETY: both components are alive, the state is of the library that both are of.
+    unsafe {
+        assert_eq!(get(first, &raw mut state), 0);
+        assert_eq!(set(first, state), 0);
+        assert_eq!(set(second, state), ERROR);
+        assert_eq!(raw.function::<PlainFn>("fmi2Reset")(second), 0);
+        assert_eq!(get(second, &raw mut state), ERROR, "nor is its memory used again");
+        assert_eq!(raw.function::<PlainFn>("fmi2Reset")(second), 0);
+        assert_eq!(size_of(second, state, &raw mut size), ERROR);
+        assert_eq!(size_of(first, state, &raw mut size), 0);
+        assert_eq!(free(first, &raw mut state), 0);
+    }
+    raw.free(first);
+    raw.free(second);
+}

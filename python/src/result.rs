@@ -114,6 +114,7 @@ impl RunResult {
             if !animation {
                 output = output.without_animation();
             }
+            output.lock("a result that is saved from Python")?;
             let text = relative_to(&self.scene, &folder).to_toml();
             output.begin(&text)?;
             let bundle = output.finish(&self.info, self.record.clone(), &text)?;

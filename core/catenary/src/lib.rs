@@ -52,7 +52,7 @@ pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{
     BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
     LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize, WindowedLine,
-    WireName, adopt_state, follow_strips,
+    WireName, adopt_state, cache_folder, follow_strips,
 };
 pub use statics::{
     DropperAtRest, DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,

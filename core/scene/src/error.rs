@@ -102,17 +102,23 @@ pub enum What {
 /// Most known keys that a message lists; no table of this program has more.
 const MOST_SHOWN: usize = 25;
 
+/// Most problems that a message lists: nobody reads on, and a list of any length may have one in each entry.
+const MOST_PROBLEMS: usize = 50;
+
 struct Lines<'a>(&'a [Problem]);
 
 impl fmt::Display for Lines<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, problem) in self.0.iter().enumerate() {
+        for (i, problem) in self.0.iter().take(MOST_PROBLEMS).enumerate() {
             if i > 0 {
                 f.write_str("\n")?;
             }
             problem.fmt(f)?;
         }
-        Ok(())
+        match self.0.len().saturating_sub(MOST_PROBLEMS) {
+            0 => Ok(()),
+            more => write!(f, "\nand {more} more"),
+        }
     }
 }
 

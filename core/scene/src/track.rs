@@ -154,7 +154,11 @@ impl Entry for RailSection {
         Self {
             gauge: keys.number("gauge", was.map(|rail| rail.gauge), Number::positive("m")),
             inclination: keys.number("inclination", was.map(|rail| rail.inclination), Number::any("")),
-            profile: keys.points("profile", was.map(|rail| rail.profile.as_slice()), Number::any("m")),
+            profile: keys.points(
+                "profile",
+                was.map(|rail| rail.profile.as_slice()),
+                Number::of_cross_section(),
+            ),
         }
     }
 }

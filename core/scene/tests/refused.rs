@@ -996,6 +996,40 @@ fn a_list_of_reductions_may_be_joined_by_plus() {
 }
 
 #[test]
+fn a_list_of_any_length_has_a_message_that_can_be_read() {
+    for (entry, told) in [
+        ("\"planar\"", "model.reduce[2] = \"planar\": must name \"planar\" once"),
+        ("\"plannar\"", "model.reduce[1] = \"plannar\": unknown word"),
+        ("7", "model.reduce[1] = 7: must be a word in quotes"),
+    ] {
+        let list = vec![entry; 30_000].join(", ");
+        let text = edited(EN, "[solver]\n", &format!("[model]\nreduce = [{list}]\n\n[solver]\n"));
+        let told_all = message(&text, &[]);
+        holds(&told_all, &[told, "\nand 29"]);
+        assert!(
+            told_all.lines().count() == 51 && told_all.len() < 20_000,
+            "{} bytes",
+            told_all.len()
+        );
+    }
+    let joined = vec!["planar"; 3_000].join("+");
+    let told = message(EN, &[&format!("model.reduce={joined}")]);
+    assert!(told.lines().count() == 51, "{} lines", told.lines().count());
+}
+
+#[test]
+fn a_cross_section_that_is_not_in_metres_is_refused_before_it_is_sampled() {
+    let text = include_str!("../../../scenes/thesis.toml");
+    for value in ["1e3", "1e300", "-35.0"] {
+        for key in ["vehicle.wheels.profile", "track.rail.profile"] {
+            let set = format!("{key}=[[-0.05, 0.0], [0.0, 0.0], [0.02, 0.0], [0.03, {value}]]");
+            let told = message(text, &[&set]);
+            holds(&told, &[&format!("{key}[4][2] = "), " m: must be from -0.5 to 0.5"]);
+        }
+    }
+}
+
+#[test]
 fn values_in_another_unit_are_refused_with_what_was_likely_meant() {
     for (set, told) in [
         (

@@ -54,21 +54,46 @@ impl Package {
     ///
     /// A description that cannot be read or lacks the placeholder.
     pub fn to_bytes(&self, path: &Path) -> Result<Vec<u8>, Error> {
-        let refused = |problem| Error::Archive {
+        zipped(&self.complete(path)?).map_err(|problem| Error::Archive {
             path: path.to_owned(),
             problem,
+        })
+    }
+
+    /// `true` where `folder`, an unpacked archive, holds the entries of this package, all of them and no other, byte
+    /// for byte; `path` is for messages.
+    ///
+    /// # Errors
+    ///
+    /// A description that cannot be read or lacks the placeholder; a folder that cannot be read.
+    pub fn is_content_of(&self, folder: &Path, path: &Path) -> Result<bool, Error> {
+        let entries = self.complete(path)?;
+        let files = files_below(folder).map_err(|problem| Error::Archive {
+            path: path.to_owned(),
+            problem: ArchiveError::Unreadable { problem },
+        })?;
+        let same = |(name, content): (&String, &Vec<u8>)| {
+            std::fs::read(folder.join(name)).is_ok_and(|found| found == *content)
         };
+        Ok(files == entries.len() && entries.iter().all(same))
+    }
+
+    /// All entries, with the GUID in its places.
+    fn complete(&self, path: &Path) -> Result<BTreeMap<String, Vec<u8>>, Error> {
         let mut entries = self.entries(path)?;
         let guid = guid(&entries);
         if !self.description.contains(GUID_PLACEHOLDER) {
-            return Err(refused(ArchiveError::NoPlaceholder {
-                placeholder: GUID_PLACEHOLDER,
-            }));
+            return Err(Error::Archive {
+                path: path.to_owned(),
+                problem: ArchiveError::NoPlaceholder {
+                    placeholder: GUID_PLACEHOLDER,
+                },
+            });
         }
         let description = self.description.replacen(GUID_PLACEHOLDER, &guid, 1);
         entries.insert(DESCRIPTION_FILE.to_owned(), description.into_bytes());
         entries.insert(format!("resources/{GUID_FILE}"), format!("{guid}\n").into_bytes());
-        zipped(&entries).map_err(refused)
+        Ok(entries)
     }
 
     /// All entries but the resource with the GUID.
@@ -95,6 +120,20 @@ impl Package {
         }
         Ok(entries)
     }
+}
+
+/// Number of files in a folder and in all folders below; a link counts as a file.
+fn files_below(folder: &Path) -> std::io::Result<usize> {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        count += if entry.file_type()?.is_dir() {
+            files_below(&entry.path())?
+        } else {
+            1
+        };
+    }
+    Ok(count)
 }
 
 fn guid(entries: &BTreeMap<String, Vec<u8>>) -> String {
@@ -169,4 +208,44 @@ fn deflated(entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, zip::result:
         writer.write_all(content)?;
     }
     Ok(writer.finish()?.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::Fmu;
+    use crate::model_description::Variable;
+
+    #[test]
+    fn an_archive_with_the_right_guid_and_one_other_byte_anywhere_is_no_content_of_the_package() {
+        let package = Package {
+            description: ModelDescription::of_slave("Model", vec![Variable::output("z", "m", "Height")]).to_xml(),
+            library: b"library".to_vec(),
+            resources: BTreeMap::from([("scene.toml".to_owned(), b"[run]".to_vec())]),
+            documentation: BTreeMap::from([("index.html".to_owned(), b"<html>".to_vec())]),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("Model.fmu");
+        let same = |entries: &BTreeMap<String, Vec<u8>>| {
+            write(&path, &zipped(entries).unwrap()).unwrap();
+            package
+                .is_content_of(Fmu::open(&path).unwrap().folder(), &path)
+                .unwrap()
+        };
+        let entries = package.complete(&path).unwrap();
+        assert!(same(&entries));
+        for name in entries.keys() {
+            let mut altered = entries.clone();
+            altered.get_mut(name).unwrap().push(b'\n');
+            assert!(!same(&altered), "{name} is longer");
+            if name != DESCRIPTION_FILE {
+                let mut without = entries.clone();
+                without.remove(name);
+                assert!(!same(&without), "{name} is missing");
+            }
+        }
+        let mut more = entries;
+        more.insert("binaries/linux64/other.so".to_owned(), b"other".to_vec());
+        assert!(!same(&more), "a library more");
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::abi::{Status, fmi2ComponentEnvironment, fmi2Status, fmi2String};
 use crate::model_description::{BaseType, ModelDescription};
+use crate::visible;
 use std::collections::{BTreeMap, VecDeque};
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -93,7 +94,8 @@ impl Environment {
         self.count.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// `#r12#` becomes the name of the variable, `##` becomes `#`, line breaks become blanks.
+    /// `#r12#` becomes the name of the variable, `##` becomes `#`, line breaks become blanks, and other control
+    /// characters are shown as escapes.
     fn readable(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
         let mut rest = text.trim_end();
@@ -118,7 +120,7 @@ impl Environment {
             }
         }
         out.push_str(rest);
-        out.replace(['\n', '\r', '\t'], " ")
+        visible(&out.replace(['\n', '\r', '\t'], " ")).into_owned()
     }
 }
 
@@ -146,7 +148,7 @@ unsafe extern "C" fn line(
         };
         environment.push(LogMessage {
             status: Status::try_from(status).unwrap_or(Status::Error),
-            category: text_of(category),
+            category: visible(&text_of(category)).into_owned(),
             text: environment.readable(&text_of(text)),
         });
     }));
@@ -169,5 +171,6 @@ mod tests {
             "x is #1 of #r9# and #i1# end"
         );
         assert_eq!(environment.readable("50 #"), "50 #");
+        assert_eq!(environment.readable("\u{1b}[2J\u{7}"), "\\u{1b}[2J\\u{7}");
     }
 }

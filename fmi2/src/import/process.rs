@@ -39,6 +39,22 @@ fn replace(by: RawFd, number: RawFd) -> io::Result<()> {
     Ok(())
 }
 
+/// Calls `install`, which may take hold of signals, and leaves the hangup ignored where it was ignored before: a
+/// program started by `nohup` outlives its terminal.
+pub fn with_hangup_as_it_was<T>(install: impl FnOnce() -> T) -> T {
+    let mut before = std::mem::MaybeUninit::<libc::sigaction>::uninit();
+    // SAFETY: a valid place for the present action; no new one is set.
+    let asked = unsafe { libc::sigaction(libc::SIGHUP, std::ptr::null(), before.as_mut_ptr()) };
+    // SAFETY: the system has filled the place where it reports success.
+    let ignored = asked == 0 && unsafe { before.assume_init() }.sa_sigaction == libc::SIG_IGN;
+    let installed = install();
+    if ignored {
+        // SAFETY: a plain call; to ignore a signal needs no handler.
+        unsafe { libc::signal(libc::SIGHUP, libc::SIG_IGN) };
+    }
+    installed
+}
+
 /// Ends this process, whatever it is doing, when the other end of `channel` has been closed for `grace`.
 ///
 /// # Errors

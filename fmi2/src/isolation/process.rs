@@ -139,7 +139,7 @@ fn hand_on(printed: impl io::Read, name: &str, lines: &Lines) {
             Ok(0) | Err(_) => return,
             Ok(_) => {}
         }
-        let text = String::from_utf8_lossy(&line).trim_end().to_owned();
+        let text = crate::visible(String::from_utf8_lossy(&line).trim_end()).into_owned();
         eprintln!("{name}: {text}");
         let mut lines = lines.lock().unwrap_or_else(PoisonError::into_inner);
         if lines.len() == LINES {

@@ -7,6 +7,8 @@ use crate::abi::Status;
 
 /// Target of an `fmi2FMUstate`.
 pub(super) struct Saved<M: Model> {
+    /// GUID of the FMU that the state is of.
+    pub guid: String,
     pub progress: Progress,
     pub experiment_set: bool,
     pub model: M::State,
@@ -22,8 +24,8 @@ const VERSION: u32 = 1;
 /// ```
 ///
 /// Numbers are little-endian.
-pub(super) fn serialize<M: Model>(saved: &Saved<M>, guid: &str) -> Result<Vec<u8>, Failure> {
-    let model = M::serialize(&saved.model)?;
+pub(super) fn serialize<M: Model>(saved: &Saved<M>) -> Result<Vec<u8>, Failure> {
+    let (model, guid) = (M::serialize(&saved.model)?, &saved.guid);
     let Ok(guid_length) = u32::try_from(guid.len()) else {
         return refuse("the GUID is too long");
     };
@@ -142,6 +144,7 @@ pub(super) fn deserialize<M: Model>(bytes: &[u8], guid: &str) -> Result<Saved<M>
     };
     let step_status = if discarded != 0 { Status::Discard } else { Status::Ok };
     Ok(Saved {
+        guid: guid.to_owned(),
         progress: Progress {
             phase,
             experiment,

@@ -248,7 +248,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", cosim::chain(&error));
+            command::complain(&format!("error: {}", cosim::chain(&error)));
             ExitCode::from(error.exit_code())
         }
     }

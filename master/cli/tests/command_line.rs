@@ -233,7 +233,12 @@ fn check_prints_statics_for_people_and_as_json() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_ends_the_run_in_order() {
+fn ctrl_c_and_the_signals_of_a_shutdown_end_the_run_in_order() {
+    ["INT", "TERM", "HUP"].into_iter().for_each(ends_in_order);
+}
+
+#[cfg(unix)]
+fn ends_in_order(signal: &str) {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene();
     let mut command = Command::new(env!("CARGO_BIN_EXE_master"));
@@ -247,13 +252,12 @@ fn ctrl_c_ends_the_run_in_order() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     std::thread::sleep(std::time::Duration::from_millis(100));
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status()
-            .unwrap()
-            .success()
-    );
+    // Terminals and `timeout` send theirs twice.
+    for _ in 0..2 {
+        let mut kill = Command::new("kill");
+        let sent = kill.args([&format!("-{signal}"), &child.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+    }
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     let summary = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
@@ -412,7 +416,15 @@ fn files_of_another_kind_are_named_with_what_would_be_right() {
 fn a_failed_limit_ends_with_three_after_the_results_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let (fails, holds) = (folder.path().join("fails"), folder.path().join("holds"));
+    // Long enough for a verdict.
+    let long = [
+        "--set",
+        "run.duration=0.8",
+        "--set",
+        "run.evaluate={ time = [0.2, 0.8] }",
+    ];
     let heavy = ["--fail-on-limits", "-q", "--set", "pantograph[1].static_force=400"];
+    let heavy = [&heavy[..], &long].concat();
     let output = run_short("monolithic", &fails, &heavy);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{said}");
@@ -434,6 +446,10 @@ fn a_failed_limit_ends_with_three_after_the_results_are_written() {
             "run.speed_kmh=80",
             "--set",
             "pantograph[1].static_force=85",
+            long[0],
+            long[1],
+            long[2],
+            long[3],
         ],
     );
     let table = text(&output.stdout);

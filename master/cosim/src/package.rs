@@ -6,14 +6,15 @@ use std::sync::OnceLock;
 
 use component::{Causality, Component};
 use fmi2::archive::{LIBRARY_EXTENSION, Package, binary_entry};
-use fmi2::import::Fmu;
 use scene::{Line, PantographModel, Scene};
 
 use component::of_pantograph;
 use quick_xml::escape::escape;
 
+mod cache;
 mod needs;
 
+pub use cache::{ensure, folder, output};
 pub use needs::Needs;
 
 /// Licences of the content: this program's own, and those of the libraries it is made of.
@@ -68,12 +69,6 @@ pub fn source_tree() -> Option<PathBuf> {
         .ancestors()
         .find(|folder| folder.join("fmu-catenary/Cargo.toml").exists() && folder.join("Cargo.toml").exists());
     around.map(Path::to_owned)
-}
-
-/// Folder that packages of scenes go to.
-#[must_use]
-pub fn folder(scene: &str) -> PathBuf {
-    source_tree().unwrap_or_default().join("target/fmu").join(scene)
 }
 
 impl Libraries {
@@ -256,44 +251,4 @@ fn documentation<C: Component>(scene: &Scene) -> String {
         "</table>\n<p><a href=\"licenses/license.txt\">Licences</a> of what is inside.</p>\n</body></html>\n",
     );
     page
-}
-
-/// Makes sure that `folder` holds the FMUs of a resolved scene, and opens them: file name and FMU.
-///
-/// An FMU whose GUID says that it is made of the same description, scene and library is left as it is.
-///
-/// # Errors
-/// See [`PackageError`].
-pub fn ensure(scene: &Scene, libraries: &Libraries, folder: &Path) -> Result<Vec<(String, Fmu)>, PackageError> {
-    let mut fmus = Vec::new();
-    for (name, package) in archives(scene, libraries)? {
-        let path = folder.join(&name);
-        let guid = package.guid(&path)?;
-        let present = if path.exists() { Fmu::open(&path).ok() } else { None };
-        let fmu = match present {
-            Some(fmu) if fmu.description().guid == guid => fmu,
-            _ => {
-                package.write(&path)?;
-                let fmu = Fmu::open(&path)?;
-                if fmu.description().guid == guid {
-                    fmu
-                } else {
-                    privately(&package, &name)?
-                }
-            }
-        };
-        fmus.push((name, fmu));
-    }
-    Ok(fmus)
-}
-
-/// Another run has just written its own FMU to the same place: ours is read from a folder of its own.
-fn privately(package: &Package, name: &str) -> Result<Fmu, PackageError> {
-    let folder = tempfile::tempdir().map_err(|source| PackageError::Read {
-        path: std::env::temp_dir(),
-        source,
-    })?;
-    let path = folder.path().join(name);
-    package.write(&path)?;
-    Ok(Fmu::open(&path)?)
 }

@@ -1,7 +1,16 @@
 //! The output directory of a run.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `lock` | one run in a folder at a time |
+//! | `exchange` | results in place of those of an earlier run |
+
+mod exchange;
+mod lock;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +51,9 @@ pub struct RunBundle {
 pub struct OutputDirectory {
     path: PathBuf,
     animation: bool,
+    /// Files that belong to the results: name in the folder, and the file that is copied.
+    more: Vec<(PathBuf, PathBuf)>,
+    lock: Option<Arc<lock::Lock>>,
 }
 
 /// Error of the operating system on `path`, while the program wanted to `action` it.
@@ -52,7 +64,15 @@ pub fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> R
 
 fn json(path: &Path) -> impl FnOnce(serde_json::Error) -> ResultsError {
     let path = path.to_owned();
-    move |source| ResultsError::Json { path, source }
+    move |source| match source.io_error_kind() {
+        // A disk that is full says nothing about the file.
+        Some(_) => ResultsError::Io {
+            path,
+            action: "write",
+            source: source.into(),
+        },
+        None => ResultsError::Json { path, source },
+    }
 }
 
 fn read(path: &Path) -> Result<String, ResultsError> {
@@ -72,7 +92,38 @@ impl OutputDirectory {
         let path = path.into();
         std::fs::create_dir_all(&path).map_err(io(&path, "create the folder"))?;
         tempfile::NamedTempFile::new_in(&path).map_err(io(&path, "write in the folder"))?;
-        Ok(Self { path, animation: true })
+        Ok(Self {
+            path,
+            animation: true,
+            more: Vec::new(),
+            lock: None,
+        })
+    }
+
+    /// Takes hold of the folder until this value and its copies are dropped, and clears it of what killed runs have
+    /// left; `holder` are the words that another process is refused with.
+    ///
+    /// # Errors
+    ///
+    /// [`ResultsError::Busy`] where another one holds the folder.
+    pub fn lock(&mut self, holder: &str) -> Result<(), ResultsError> {
+        self.lock = Some(Arc::new(lock::Lock::take(&self.path, holder)?));
+        self.clear()
+    }
+
+    /// Finishes what a killed run has begun to exchange, and removes what it has left. For the holder of the lock of
+    /// this folder or of the one around it.
+    ///
+    /// # Errors
+    ///
+    /// [`ResultsError::Io`] with the path and the reason.
+    pub fn clear(&self) -> Result<(), ResultsError> {
+        exchange::recover(&self.path)
+    }
+
+    /// Adds a copy of the file `from` to the results, under the relative name `name`.
+    pub fn add(&mut self, name: PathBuf, from: PathBuf) {
+        self.more.push((name, from));
     }
 
     /// The same folder without pictures: `animation.json` is not written, the page has no player.
@@ -88,8 +139,8 @@ impl OutputDirectory {
         &self.path
     }
 
-    /// Writes the resolved `scene` and removes the result files of an earlier run, so that the
-    /// folder never holds a mixture of two runs.
+    /// Writes the resolved `scene` where the folder holds no results of an earlier run; those stay as they are, with
+    /// their scene, until the new ones are complete.
     ///
     /// To be called when the input is known to be good.
     ///
@@ -97,26 +148,17 @@ impl OutputDirectory {
     ///
     /// [`ResultsError::Io`] with the path and the reason.
     pub fn begin(&self, scene: &str) -> Result<(), ResultsError> {
-        for name in [SUMMARY, REPORT, TIMESERIES, ANIMATION] {
-            let path = self.path.join(name);
-            match std::fs::remove_file(&path) {
-                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(ResultsError::Io {
-                        path,
-                        action: "remove",
-                        source,
-                    });
-                }
-                _ => {}
-            }
+        let older = [SCENE, SUMMARY, REPORT, TIMESERIES, ANIMATION];
+        if older.iter().any(|name| self.path.join(name).exists()) {
+            return Ok(());
         }
         self.replace(SCENE, |out, path| {
             out.write_all(scene.as_bytes()).map_err(io(path, "write"))
         })
     }
 
-    /// Evaluates `record`, writes the data files, complete or not, and returns their content, from which the page is
-    /// made.
+    /// Evaluates `record`, writes the data files, complete or not, in place of those of an earlier run, and returns
+    /// their content, from which the page is made.
     ///
     /// # Errors
     ///
@@ -133,12 +175,28 @@ impl OutputDirectory {
             record,
             scene: scene.to_owned(),
         };
-        self.replace(SCENE, |out, path| {
-            out.write_all(scene.as_bytes()).map_err(io(path, "write"))
+        let written = exchange::beside(&self.path)?;
+        self.write(written.path(), &bundle)?;
+        exchange::exchange(written, &self.path)?;
+        Ok(bundle)
+    }
+
+    /// Writes the files of a run into `folder`.
+    fn write(&self, folder: &Path, bundle: &RunBundle) -> Result<(), ResultsError> {
+        for (name, from) in &self.more {
+            let to = folder.join(name);
+            let parent = to.parent().unwrap_or(folder);
+            std::fs::create_dir_all(parent).map_err(io(parent, "create the folder"))?;
+            std::fs::copy(from, &to).map_err(io(&to, "write"))?;
+        }
+        replace(folder, SCENE, |out, path| {
+            out.write_all(bundle.scene.as_bytes()).map_err(io(path, "write"))
         })?;
-        self.replace(TIMESERIES, |out, path| write_timeseries(out, path, &bundle.record))?;
+        replace(folder, TIMESERIES, |out, path| {
+            write_timeseries(out, path, &bundle.record)
+        })?;
         if self.animation {
-            self.replace(ANIMATION, |out, path| {
+            replace(folder, ANIMATION, |out, path| {
                 let file = AnimationFile {
                     line: bundle.record.line.clone(),
                     animation: bundle.record.animation.rounded(),
@@ -146,8 +204,7 @@ impl OutputDirectory {
                 serde_json::to_writer(out, &file).map_err(json(path))
             })?;
         }
-        self.write_summary(&bundle.summary)?;
-        Ok(bundle)
+        write_summary(folder, &bundle.summary)
     }
 
     /// Writes `summary`.
@@ -156,10 +213,7 @@ impl OutputDirectory {
     ///
     /// [`ResultsError::Io`] with the path and the reason.
     pub fn write_summary(&self, summary: &Summary) -> Result<(), ResultsError> {
-        self.replace(SUMMARY, |out, path| {
-            serde_json::to_writer_pretty(&mut *out, summary).map_err(json(path))?;
-            out.write_all(b"\n").map_err(io(path, "write"))
-        })
+        write_summary(&self.path, summary)
     }
 
     /// Writes the `page` of the report.
@@ -180,11 +234,7 @@ impl OutputDirectory {
 
     /// Removes the file of an earlier run, where there is one, because it would not belong to the new results.
     pub fn remove(&self, name: &str) -> Result<(), ResultsError> {
-        let path = self.path.join(name);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(io(&path, "remove")(source)),
-            _ => Ok(()),
-        }
+        exchange::remove(&self.path.join(name))
     }
 
     /// Writes a file beside its final place and moves it there when it is complete.
@@ -193,14 +243,41 @@ impl OutputDirectory {
         name: &str,
         content: impl FnOnce(&mut dyn Write, &Path) -> Result<(), ResultsError>,
     ) -> Result<(), ResultsError> {
-        let path = self.path.join(name);
-        let partial = self.path.join(format!(".{name}.partial"));
-        let file = std::fs::File::create(&partial).map_err(io(&partial, "write"))?;
-        let mut out = std::io::BufWriter::new(file);
-        content(&mut out, &path)?;
-        out.flush().map_err(io(&path, "write"))?;
-        std::fs::rename(&partial, &path).map_err(io(&path, "write"))
+        replace(&self.path, name, content)
     }
+}
+
+fn write_summary(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
+    replace(folder, SUMMARY, |out, path| {
+        serde_json::to_writer_pretty(&mut *out, summary).map_err(json(path))?;
+        out.write_all(b"\n").map_err(io(path, "write"))
+    })
+}
+
+/// Writes the file `name` of `folder` under a new name that no other process knows, and moves it to its place when it
+/// is complete.
+fn replace(
+    folder: &Path,
+    name: &str,
+    content: impl FnOnce(&mut dyn Write, &Path) -> Result<(), ResultsError>,
+) -> Result<(), ResultsError> {
+    let path = folder.join(name);
+    let prefix = format!(".{name}.");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(exchange::PARTIAL);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // As any new file: the user's mask takes away what others may not.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(io(&path, "write"))?;
+    let mut out = std::io::BufWriter::new(file.as_file_mut());
+    content(&mut out, &path)?;
+    out.flush().map_err(io(&path, "write"))?;
+    drop(out);
+    file.persist(&path).map_err(|error| io(&path, "write")(error.error))?;
+    Ok(())
 }
 
 impl RunBundle {

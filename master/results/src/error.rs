@@ -16,6 +16,14 @@ pub enum ResultsError {
         #[source]
         source: std::io::Error,
     },
+    /// Another run writes to the same folder.
+    #[error("{}: {holder} writes its results there; must be another folder, or wait for its end", folder.display())]
+    Busy {
+        /// Folder.
+        folder: PathBuf,
+        /// Words that name the other run.
+        holder: String,
+    },
     /// A column of the record has another length than its time.
     #[error("column {column} has {found} samples, time has {expected}")]
     Length {

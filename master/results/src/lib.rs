@@ -25,6 +25,7 @@ pub mod statistics;
 mod summary;
 #[cfg(test)]
 pub(crate) mod tests;
+mod undecided;
 
 pub use animation::Animation;
 pub use detail::{ContactHeight, Detail, OtherFilter};

@@ -368,6 +368,7 @@ impl Summary {
                 limit.pass = None;
             }
         }
+        notes.extend(crate::undecided::take_back(&mut limits, &info.evaluation, record));
         Self {
             scene: info.scene.clone(),
             title: info.title.clone(),

@@ -3,6 +3,9 @@ use component::{DropperLine, Frame, Share};
 use super::*;
 use crate::statistics::Filter;
 
+mod exchange;
+mod undecided;
+
 /// A run of 2 s with two pantographs and easily known figures: the raw force of pantograph 1 is
 /// 100 N, that of pantograph 2 is 0 N in half of the samples.
 pub fn run(complete: bool) -> (RunInfo, Record) {
@@ -300,17 +303,6 @@ fn a_directory_that_was_read_back_holds_the_same_run_bit_for_bit() {
             "timeseries.csv"
         ]
     );
-}
-
-#[test]
-fn opening_a_directory_keeps_older_results_and_beginning_a_run_removes_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let old = folder.path().join("summary.json");
-    std::fs::write(&old, "precious").unwrap();
-    let directory = OutputDirectory::open(folder.path()).unwrap();
-    assert_eq!(std::fs::read_to_string(&old).unwrap(), "precious");
-    directory.begin("").unwrap();
-    assert!(!old.exists());
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub(crate) mod window;
 pub(crate) use coordinates::WireCoordinates;
 pub(crate) use curve_pull::curve_pull;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
-pub use modal::ModalLine;
+pub use modal::{ModalLine, cache_folder};
 pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
 pub use options::{BendingLayers, Dimension, LineOptions, MassCorrection};

@@ -28,7 +28,7 @@ pub(super) fn turn_into_beam(
         load: Default::default(),
     };
     let mut state = system.layout.state_at_rest();
-    let options = options(200);
+    let options = options(200, topology);
     let report = solve_static(&mut system, &mut state, &[], &options)?;
     *equilibrium = taken_as_reference(equilibrium, &system.line, &state);
     Ok(report.iterations)

@@ -66,7 +66,7 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
         lateral: LateralPull::default(),
         layout,
     };
-    let options = options(200);
+    let options = options(200, topology);
     let half_weight = 0.5 * catenary.droppers.mass * catenary.gravity;
     let anchored = planned.iter().zip(&coordinates);
     let anchored = anchored.filter(|(planned, _)| planned.ends == EndsOfWire::Anchored);

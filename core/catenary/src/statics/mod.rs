@@ -42,12 +42,32 @@ use std::sync::{Arc, OnceLock};
 /// Force under which elasticity is measured, N.
 const ELASTICITY_FORCE: f64 = 100.0;
 
-/// Options of a static solution with at most so many iterations.
-fn options(max_iterations: usize) -> StaticOptions {
+/// Residual that ends a static solution, N: a hundred times the rounding of elements of 1e7 N/m at 1e-16 m.
+const RESIDUAL: f64 = 1e-7;
+
+/// Options of a static solution of the wires of a line with at most so many iterations.
+///
+/// The tension `T` moves the end of a wire of `n` elements, each of length `l`, by `n l T/EA`. Rounding of this
+/// displacement times the stiffness `EA/l` of the last element is a force that no iteration takes away, as is rounding
+/// of the strain times `EA`:
+///
+/// ```text
+/// F = ε (n T + EA)
+/// ```
+fn options(max_iterations: usize, topology: &Topology) -> StaticOptions {
+    let of_wire = |wire: &PlannedWire| {
+        let scene::Wire {
+            tension,
+            axial_stiffness,
+            ..
+        } = wire.parameters;
+        f64::EPSILON * (wire.last() as f64 * tension + axial_stiffness)
+    };
+    let rounding = topology.wires().iter().map(of_wire).fold(0.0, f64::max);
     StaticOptions {
         newton: NewtonOptions {
-            // Rounding of elements of 1e7 N/m at 1e-16 m is a hundred times smaller.
-            tolerance: 1e-7,
+            // Two ends of an element.
+            tolerance: RESIDUAL.max(2.0 * rounding),
             max_iterations,
             ..NewtonOptions::default()
         },

@@ -87,7 +87,7 @@ pub(super) fn settle(
     mut system: Standalone,
     mut state: State,
 ) -> Result<(Equilibrium, usize), StaticsError> {
-    let options = options(500);
+    let options = options(500, topology);
     let mut equilibrium = start.clone();
     let mut iterations = 0;
     for _ in 0..MOST_ROUNDS {

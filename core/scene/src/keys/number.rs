@@ -65,6 +65,17 @@ impl Number {
         Self::new("", Range::Between(from, to))
     }
 
+    /// The same range in a unit.
+    pub(crate) const fn between_in(unit: &'static str, from: f64, to: f64) -> Self {
+        Self::new(unit, Range::Between(from, to))
+    }
+
+    /// A coordinate of a cross-section of a wheel or a rail, m: one in millimetres is no profile, and its samples would
+    /// fill any memory.
+    pub(crate) const fn of_cross_section() -> Self {
+        Self::between_in("m", -0.5, 0.5)
+    }
+
     pub(crate) const fn default(mut self, value: f64) -> Self {
         self.default = Some(value);
         self

@@ -128,9 +128,7 @@ impl Keys<'_> {
                 let joined = typed.contains('+');
                 for part in typed.split('+').map(str::trim) {
                     match meaning_of(part) {
-                        Some(meaning) if found.contains(&meaning) => {
-                            self.refuse(name, format!("must name \"{part}\" once"));
-                        }
+                        Some(meaning) if found.contains(&meaning) => self.report(name, twice(part)),
                         Some(meaning) => found.push(meaning),
                         None if joined => self.report(name, wrong_word(part, &available, T::UNAVAILABLE)),
                         None => {
@@ -154,9 +152,7 @@ impl Keys<'_> {
                         continue;
                     };
                     match meaning_of(typed) {
-                        Some(meaning) if found.contains(&meaning) => {
-                            self.refuse(name, format!("must name \"{typed}\" once"));
-                        }
+                        Some(meaning) if found.contains(&meaning) => self.problem(node.at, key, twice(typed)),
                         Some(meaning) => found.push(meaning),
                         None => self.problem(node.at, key, wrong_word(typed, &available, T::UNAVAILABLE)),
                     }
@@ -174,6 +170,14 @@ fn quoted(words: &[&str]) -> String {
         quoted[0].clone()
     } else {
         format!("one of {}", quoted.join(", "))
+    }
+}
+
+/// A word that a list names again; the list itself may be long.
+fn twice(word: &str) -> What {
+    What::Refused {
+        value: format!("\"{word}\""),
+        expected: format!("must name \"{word}\" once"),
     }
 }
 

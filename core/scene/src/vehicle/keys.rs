@@ -186,7 +186,7 @@ impl Entry for Wheels {
 /// Points of a cross-section that may be left out.
 fn optional_points(keys: &mut Keys, name: &str, was: Option<Option<&[[f64; 2]]>>) -> Option<Vec<[f64; 2]>> {
     keys.has(name, was.flatten().is_some())
-        .then(|| keys.points(name, was.flatten(), Number::any("m")))
+        .then(|| keys.points(name, was.flatten(), Number::of_cross_section()))
 }
 
 impl Entry for WheelContact {

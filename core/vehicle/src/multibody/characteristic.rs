@@ -106,7 +106,8 @@ impl Characteristic {
                 energy: self.energies[end] + beyond * (force + 0.5 * slope * beyond) - self.at_zero,
             };
         }
-        let i = self.displacements.partition_point(|&at| at <= s) - 1;
+        // No number is on any side of a point: the result is none either, for the solver to report.
+        let i = self.displacements.partition_point(|&at| at <= s).saturating_sub(1);
         let h = self.displacements[i + 1] - self.displacements[i];
         let x = (s - self.displacements[i]) / h;
         let (f0, f1) = (self.forces[i], self.forces[i + 1]);
@@ -158,6 +159,12 @@ mod tests {
             assert!(((plus.energy - minus.energy) / (2.0 * h) - here.force).abs() < 1e-4);
             assert!(((plus.force - minus.force) / (2.0 * h) - here.stiffness).abs() < 1e-1);
         }
+    }
+
+    #[test]
+    fn a_displacement_that_is_no_number_gives_a_force_that_is_none() {
+        let point = bump_stop().at(f64::NAN);
+        assert!(point.force.is_nan() && point.stiffness.is_nan() && point.energy.is_nan());
     }
 
     #[test]

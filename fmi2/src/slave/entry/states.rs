@@ -6,15 +6,17 @@ use crate::slave::model::Model;
 use crate::slave::phase::Call;
 use crate::slave::saved::{self, Saved};
 
-/// The saved state behind a pointer.
+/// The saved state behind a pointer; one of another FMU made of the same library is refused by its GUID, as serialised
+/// states are.
 ///
 /// # Safety
 ///
-/// `state` is null or was made by `get_fmu_state` or `deserialize_fmu_state` of the same model and not freed.
-unsafe fn behind<'a, M: Model>(state: fmi2FMUstate) -> Result<&'a mut Saved<M>, Failure> {
+/// `state` is null or was made by `get_fmu_state` or `deserialize_fmu_state` of the same library and not freed.
+unsafe fn behind<'a, M: Model>(state: fmi2FMUstate, guid: &str) -> Result<&'a mut Saved<M>, Failure> {
     // SAFETY: forwarded to the caller.
     match unsafe { state.cast::<Saved<M>>().as_mut() } {
-        Some(saved) => Ok(saved),
+        Some(saved) if saved.guid == guid => Ok(saved),
+        Some(saved) => refuse(format!("the state is of the FMU {}, this one is {guid}", saved.guid)),
         None => refuse("the state is null"),
     }
 }
@@ -30,14 +32,15 @@ pub unsafe fn get_fmu_state<M: Model>(component: fmi2Component, state: *mut fmi2
         if state.is_null() {
             let model = instance.model.save();
             *state = Box::into_raw(Box::new(Saved::<M> {
+                guid: instance.guid.clone(),
                 progress,
                 experiment_set,
                 model,
             }))
             .cast();
         } else {
-            // SAFETY: not null, so a state of this model.
-            let saved = unsafe { behind::<M>(*state) }?;
+            // SAFETY: not null, so a state of this library.
+            let saved = unsafe { behind::<M>(*state, &instance.guid) }?;
             instance.model.save_into(&mut saved.model);
             saved.progress = progress;
             saved.experiment_set = experiment_set;
@@ -51,8 +54,8 @@ pub unsafe fn get_fmu_state<M: Model>(component: fmi2Component, state: *mut fmi2
 /// `fmi2SetFMUstate`: any number of times, in any phase.
 pub unsafe fn set_fmu_state<M: Model>(component: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
     let body = |instance: &mut Instance<M>| {
-        // SAFETY: null or a state of this model.
-        let saved = unsafe { behind::<M>(state) }?;
+        // SAFETY: null or a state of this library.
+        let saved = unsafe { behind::<M>(state, &instance.guid) }?;
         instance.model.restore(&saved.model)?;
         instance.progress = saved.progress;
         instance.experiment_set = saved.experiment_set;
@@ -85,13 +88,13 @@ pub unsafe fn serialized_fmu_state_size<M: Model>(
     size: *mut usize,
 ) -> fmi2Status {
     let body = |instance: &mut Instance<M>| {
-        // SAFETY: null or a state of this model.
-        let saved = unsafe { behind::<M>(state) }?;
+        // SAFETY: null or a state of this library.
+        let saved = unsafe { behind::<M>(state, &instance.guid) }?;
         // SAFETY: null or the importer's variable.
         let Some(size) = (unsafe { size.as_mut() }) else {
             return refuse("the pointer to the size is null");
         };
-        *size = saved::serialize(saved, &instance.guid)?.len();
+        *size = saved::serialize(saved)?.len();
         Ok(Status::Ok)
     };
     // SAFETY: the condition of this module.
@@ -106,9 +109,9 @@ pub unsafe fn serialize_fmu_state<M: Model>(
     size: usize,
 ) -> fmi2Status {
     let body = |instance: &mut Instance<M>| {
-        // SAFETY: null or a state of this model.
-        let saved = unsafe { behind::<M>(state) }?;
-        let content = saved::serialize(saved, &instance.guid)?;
+        // SAFETY: null or a state of this library.
+        let saved = unsafe { behind::<M>(state, &instance.guid) }?;
+        let content = saved::serialize(saved)?;
         if size < content.len() {
             return refuse(format!("the state takes {} bytes, room is for {size}", content.len()));
         }

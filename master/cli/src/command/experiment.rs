@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use super::{CommandError, interrupted, print};
+use super::{CommandError, interrupted, print, print_as_it_is};
 use crate::cli::Common;
 use experiments::engine::export::{Csv, Exporter, Html, Json, Text};
 use experiments::engine::{Experiment, ExperimentError, Machine, Site, Store, Table, execute};
@@ -40,16 +40,19 @@ pub struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Opens the directory, with runs in its folder `runs`; the page of an earlier run, which may be one of another
-    /// table, is removed.
+    /// Opens the directory, with runs in its folder `runs`, and takes hold of it.
     ///
     /// # Errors
-    /// A directory that cannot be written to.
+    /// A directory that cannot be written to, or that another process writes to.
     pub fn open(directory: &Path, runs: &str, files: Files, common: &'a Common) -> Result<Self, CommandError> {
-        let output = OutputDirectory::open(directory).map_err(CommandError::Directory)?;
-        output.remove(files.page).map_err(CommandError::Directory)?;
+        let mut output = OutputDirectory::open(directory).map_err(CommandError::Directory)?;
+        let holder = format!("`master`, for {},", files.csv);
+        output.lock(&holder).map_err(CommandError::Directory)?;
         let machine = Machine::this();
-        let store = Store::open(&directory.join(runs), &machine).map_err(CommandError::Directory)?;
+        let runs = directory.join(runs);
+        let kept = OutputDirectory::open(&runs).and_then(|kept| kept.clear());
+        kept.map_err(CommandError::Directory)?;
+        let store = Store::open(&runs, &machine).map_err(CommandError::Directory)?;
         Ok(Self {
             files,
             common,
@@ -84,6 +87,8 @@ impl<'a> Outputs<'a> {
             workers: self.machine.cores,
         };
         let table = execute(experiment, site, &mut |table| {
+            // The page of an earlier run may be one of another table.
+            self.output.remove(self.files.page)?;
             Csv.replace(table, &self.output, self.files.csv)?;
             Ok(more(table)?)
         });
@@ -99,7 +104,7 @@ impl<'a> Outputs<'a> {
         Html.replace(table, &self.output, self.files.page)
             .map_err(CommandError::Results)?;
         if self.common.json {
-            print(&Json.string(table).map_err(CommandError::Results)?)?;
+            print_as_it_is(&Json.string(table).map_err(CommandError::Results)?)?;
         } else if !self.common.quiet {
             let text = Text.string(table).map_err(CommandError::Results)?;
             let Files { csv, page } = self.files;

@@ -35,6 +35,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use scene::{Files, Scene};
 use tempfile::TempDir;
@@ -399,8 +400,12 @@ pub fn keep_stdout() {
     }
 }
 
-/// Prints `text` on stdout; a reader that has gone away is no error.
+/// Prints `text` on stdout, with control characters of foreign names escaped; a reader that has gone away is no error.
 fn print(text: &str) -> Result<(), CommandError> {
+    print_as_it_is(&fmi2::visible(text))
+}
+
+fn print_as_it_is(text: &str) -> Result<(), CommandError> {
     let written = match OUT.get() {
         Some(mut own) => own.write_all(text.as_bytes()),
         None => {
@@ -416,7 +421,13 @@ fn print(text: &str) -> Result<(), CommandError> {
 
 /// Prints `value` as JSON on stdout.
 fn print_json(value: &impl serde::Serialize) -> Result<(), CommandError> {
-    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+    // JSON has escapes of its own.
+    print_as_it_is(&format!("{}\n", serde_json::to_string_pretty(value)?))
+}
+
+/// Prints a line on stderr; a terminal that is gone or a disk that is full is no reason to lose results.
+pub(crate) fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", fmi2::visible(text));
 }
 
 /// Prints a line on stderr unless quiet was asked for.
@@ -424,21 +435,30 @@ fn say(common: &Common) -> impl Fn(&str) {
     let quiet = common.quiet;
     move |text| {
         if !quiet {
-            eprintln!("{text}");
+            complain(text);
         }
     }
 }
 
-/// Is set by the first Ctrl-C, which asks for an end in order; a second one ends the program at once.
+/// Time within which a second signal is the same wish: a terminal that closes, and `timeout`, send theirs twice.
+const SAME_WISH: Duration = Duration::from_secs(1);
+
+/// Is set by the first Ctrl-C, SIGTERM or SIGHUP, which ask for an end in order; a later one ends the program at once.
 fn interrupted(common: &Common) -> &'static AtomicBool {
     static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+    static FIRST: OnceLock<Instant> = OnceLock::new();
     let handler = || {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+        let first = *FIRST.get_or_init(Instant::now);
+        if INTERRUPTED.swap(true, Ordering::Relaxed) && first.elapsed() > SAME_WISH {
             std::process::exit(130);
         }
     };
-    if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
-        eprintln!("another handler of Ctrl-C is in place");
+    #[cfg(unix)]
+    let set = fmi2::import::process::with_hangup_as_it_was(|| ctrlc::set_handler(handler));
+    #[cfg(not(unix))]
+    let set = ctrlc::set_handler(handler);
+    if set.is_err() && common.verbose > 0 {
+        say(common)("another handler of Ctrl-C is in place");
     }
     &INTERRUPTED
 }

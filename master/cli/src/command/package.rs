@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{CommandError, SceneFile, print, print_json, say};
 use crate::cli::Common;
-use cosim::package::{Libraries, archives, folder};
+use cosim::package::{Libraries, archives, output};
 use results::ResultsError;
 use simulation::sliding_joint;
 use simulation::{SetupError, prepare};
@@ -21,7 +21,7 @@ pub fn package(path: &Path, descriptions: Option<&Path>, common: &Common) -> Res
     let prepared = prepare(file.scene, &file.name, &file.base, false);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let libraries = Libraries::find()?;
-    let target = common.out.clone().unwrap_or_else(|| folder(&file.name));
+    let target = common.out.clone().unwrap_or_else(|| output(&file.name));
     let mut written = Vec::new();
     for (name, archive) in archives(&prepared.scene, &libraries)? {
         if let Some(descriptions) = descriptions {

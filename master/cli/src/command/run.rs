@@ -8,8 +8,8 @@ use scene::Scene;
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::{Common, DEFAULT_SCENE};
 use cosim::package;
+use results::OutputDirectory;
 use results::report::{self, Progress, Show};
-use results::{OutputDirectory, ResultsError};
 use simulation::paths::{real, relative_to};
 use simulation::{FmuSource, Mode, prepare};
 use system::run::Watch;
@@ -102,12 +102,14 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     let mut output = None;
     let finished = prepared.run(mode, &source, &watch, |scene| {
         let mut opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+        let holder = format!("`master run` of {}", path.display());
+        opened.lock(&holder).map_err(CommandError::Directory)?;
         if arguments.no_animation {
             opened = opened.without_animation();
         }
         let mut scene = scene.clone();
         if let Some(unpacked) = &file.unpacked {
-            keep_fmus(&mut scene, unpacked.path(), &directory).map_err(CommandError::Results)?;
+            keep_fmus(&mut scene, unpacked.path(), &mut opened);
         }
         let text = relative_to(&scene, &directory).to_toml();
         opened.begin(&text).map_err(CommandError::Directory)?;
@@ -146,9 +148,9 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     Ok(())
 }
 
-/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run
-/// again without the archive, and makes the scene refer to them.
-fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
+/// Keeps the FMUs of an unpacked archive with the results, in the folder `fmu`, so that the `scene.toml` there can be
+/// run again without the archive, and makes the scene refer to them.
+fn keep_fmus(scene: &mut Scene, unpacked: &Path, output: &mut OutputDirectory) {
     let unpacked = real(unpacked);
     for side in scene.supplied_sides_mut() {
         let from = real(Path::new(&side.fmu));
@@ -156,18 +158,8 @@ fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(),
             continue;
         };
         // The same tree as in the archive: no two files have one name.
-        let to = directory
-            .join("fmu")
-            .join(inside.strip_prefix("resources").unwrap_or(inside));
-        let failed = |action: &'static str, path: &Path| {
-            let path = path.to_owned();
-            move |source| ResultsError::Io { path, action, source }
-        };
-        if let Some(folder) = to.parent() {
-            std::fs::create_dir_all(folder).map_err(failed("create", folder))?;
-        }
-        std::fs::copy(&from, &to).map_err(failed("write", &to))?;
-        side.fmu = to.display().to_string();
+        let name = Path::new("fmu").join(inside.strip_prefix("resources").unwrap_or(inside));
+        side.fmu = output.path().join(&name).display().to_string();
+        output.add(name, from);
     }
-    Ok(())
 }

@@ -133,6 +133,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         self.step_times.begin(self.stepper.exchange.point(0).t);
         match self.stepper.attempt(h) {
             Err(error) if self.stepper.can_retry(&error) => {
+                self.stepper.fail(&error);
                 self.stepper.take_back()?;
                 if controller.shorten() {
                     return Ok(());
@@ -195,6 +196,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
                 .energy_note()
                 .into_iter()
                 .chain(self.stepper.algorithm.warning())
+                .chain(self.stepper.failure_note())
                 .collect(),
             simulated: self.stepper.exchange.point(0).t,
             wall,

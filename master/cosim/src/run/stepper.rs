@@ -19,6 +19,9 @@ pub struct Stepper<'a, 'b> {
     pub exchange: &'a mut Exchange,
     /// Times that they were taken back.
     pub rollbacks: u64,
+    /// Steps and parts of them that failed and were tried again, and the words of the first failure.
+    failed: u64,
+    first_failure: Option<String>,
     /// True where every slave can go back and takes any step.
     can_roll_back: bool,
     can_vary_step: bool,
@@ -39,6 +42,8 @@ impl<'a, 'b> Stepper<'a, 'b> {
             algorithm,
             exchange,
             rollbacks: 0,
+            failed: 0,
+            first_failure: None,
         }
     }
 
@@ -58,6 +63,22 @@ impl<'a, 'b> Stepper<'a, 'b> {
         }
         self.rollbacks += self.algorithm.step(self.sides, self.exchange, h)?;
         Ok(())
+    }
+
+    /// Counts a step that failed with `error` and is tried again.
+    pub fn fail(&mut self, error: &CouplingError) {
+        self.failed += 1;
+        self.first_failure.get_or_insert_with(|| crate::chain(error));
+    }
+
+    /// Note on steps that failed and were done in shorter ones, which one system cannot do.
+    #[must_use]
+    pub fn failure_note(&self) -> Option<String> {
+        let first = self.first_failure.as_ref()?;
+        Some(format!(
+            "{} steps failed and were done in halves; one system (--mode monolithic) ends with the first: {first}",
+            self.failed
+        ))
     }
 
     /// Takes both sides back to the present point.
@@ -118,10 +139,12 @@ impl<'a, 'b> Stepper<'a, 'b> {
                     return Ok(());
                 }
                 Err(error) if halvings > 0 && self.can_retry(&error) => {
+                    self.fail(&error);
                     self.take_back()?;
                     return self.in_halves(end, h, halvings, accepted);
                 }
                 Err(error) if retries > 0 && self.can_retry(&error) => {
+                    self.fail(&error);
                     self.take_back()?;
                     retries -= 1;
                 }

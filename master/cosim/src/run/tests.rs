@@ -193,6 +193,14 @@ fn a_step_that_fails_is_taken_back_on_both_sides_and_halved() {
     assert!(outcome.failure.is_none());
     // Each step of 0.1 s fails once, each of its halves once; the quarters pass.
     assert_eq!((outcome.macro_steps, outcome.rollbacks), (10, 30));
+    let note = outcome.notes.last().expect("steps that failed are told");
+    for part in [
+        "30 steps failed",
+        "monolithic",
+        "fussy: the step from t = 0 s over 0.1 s failed",
+    ] {
+        assert!(note.contains(part), "{note}");
+    }
     assert_eq!(outcome.record.time.len(), 21);
     for (time, force) in outcome.record.time.iter().zip(&outcome.record.pantographs[0].force) {
         assert!((time - force).abs() < 1e-12, "the output is the time: {time} {force}");

@@ -54,6 +54,8 @@ pub fn escape(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&#39;"),
+            // A page shows what a terminal would obey.
+            c if c.is_control() && !c.is_whitespace() => escaped.extend(c.escape_unicode()),
             c => escaped.push(c),
         }
     }

@@ -111,6 +111,7 @@ fn text_of_the_scene_cannot_become_markup() {
     assert!(!page.contains("<sample>"));
     assert!(page.contains("a = &quot;&lt;b&gt;&quot;"));
     assert_eq!(escape("<a href='x'>&\""), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;");
+    assert_eq!(escape("a\u{1b}[1m\u{7}\tb\n"), "a\\u{1b}[1m\\u{7}\tb\n");
 }
 
 #[test]

@@ -79,7 +79,7 @@ pub(super) fn flows(
         }
         let conversion = match (&source.unit, &target.unit) {
             (Some(from), Some(to)) if !connection.suppress_unit_conversion => {
-                convert((&from.name, Some(from)), (Some(&to.name), Some(to)))
+                convert((&from.name, Some(from)), (&to.name, Some(to)))
                     .map_err(|problem| refuse(problem.to_string()))?
             }
             _ => Linear::IDENTITY,

@@ -43,7 +43,7 @@ impl Foreign {
         }
         let flows = flows(description, &fmus, unpacked, notes)?;
         let line = line_of(description, &flows, unpacked)?;
-        for (side, values) in sides.iter_mut().zip(values(system, &fmus, unpacked, notes)?) {
+        for (side, values) in sides.iter_mut().zip(values(description, &fmus, unpacked, notes)?) {
             side.parameters = values;
         }
         let (places, speed) = places(&fmus, &sides, &flows, line);

@@ -6,11 +6,12 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, TypeShape, Unit, Variable};
 use scene::ParameterValue;
 
-use super::document::{Binding, Component, Linear, MappingEntry, Parameter, ParameterSet, Source, System, Value};
+use super::document::{Binding, Component, Description, Linear, MappingEntry, Parameter, ParameterSet, Source, Value};
 use super::problem::{UnitProblem, ValueProblem};
 use super::read::{self, File};
 use super::unpacked::Unpacked;
 use super::{STRUCTURE_FILE, SspError};
+use crate::units::{named, same_dimension};
 
 /// Values of one component, by the names of its FMU's variables.
 pub(super) type Values = BTreeMap<String, ParameterValue>;
@@ -18,15 +19,16 @@ pub(super) type Values = BTreeMap<String, ParameterValue>;
 /// Values of all components: those bound to the components themselves, then, stronger, those bound to the system. What
 /// fits nothing is told to `notes`.
 pub(super) fn values(
-    system: &System,
+    description: &Description,
     fmus: &[Fmu],
     unpacked: Unpacked<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Values>, SspError> {
+    let (system, units) = (&description.system, &description.units[..]);
     let mut all: Vec<Values> = vec![Values::new(); fmus.len()];
     for (index, component) in system.components.iter().enumerate() {
         for binding in &component.bindings {
-            let bound = Bound::load(binding, Some((component, &fmus[index])), unpacked)?;
+            let bound = Bound::load(binding, Some((component, &fmus[index])), units, unpacked)?;
             for (name, parameter, entry) in bound.named() {
                 let target = (component, &fmus[index], name.as_str());
                 bound.apply(target, parameter, entry, unpacked, &mut all[index], notes)?;
@@ -34,7 +36,7 @@ pub(super) fn values(
         }
     }
     for binding in &system.bindings {
-        let bound = Bound::load(binding, None, unpacked)?;
+        let bound = Bound::load(binding, None, units, unpacked)?;
         for (name, parameter, entry) in bound.named() {
             let owner = |component: &Component| name.strip_prefix(&component.name)?.strip_prefix('.').map(str::len);
             // The shortest rest belongs to the longest name.
@@ -54,18 +56,21 @@ pub(super) fn values(
 }
 
 /// A binding with its files read.
-struct Bound {
+struct Bound<'a> {
     prefix: String,
     set: ParameterSet,
     mapping: Option<Vec<MappingEntry>>,
+    /// Units of the system structure, for a set that does not define its own.
+    units: &'a [Unit],
     /// File of the values, for messages.
     file: String,
 }
 
-impl Bound {
+impl<'a> Bound<'a> {
     fn load(
         binding: &Binding,
         component: Option<(&Component, &Fmu)>,
+        units: &'a [Unit],
         unpacked: Unpacked<'_>,
     ) -> Result<Self, SspError> {
         let bytes = |uri: &str, in_component: bool| match (in_component, component) {
@@ -98,6 +103,7 @@ impl Bound {
             prefix: binding.prefix.clone(),
             set,
             mapping,
+            units,
             file,
         })
     }
@@ -168,15 +174,17 @@ impl Bound {
                 let suppressed = entry.is_some_and(|entry| entry.suppress_unit_conversion);
                 let conversion = match unit {
                     Some(unit) if !suppressed => {
+                        let mut known = self.set.units.iter().chain(self.units);
+                        let defined = known.find(|known| known.name == *unit);
                         let theirs = described.unit_of(variable).cloned();
                         let name = variable
                             .unit()
                             .map(str::to_owned)
                             .or(theirs.as_ref().map(|unit| unit.name.clone()));
-                        convert(
-                            (unit, self.set.units.iter().find(|known| known.name == *unit)),
-                            (name.as_deref(), theirs.as_ref()),
-                        )?
+                        match name.filter(|name| !name.is_empty()) {
+                            Some(name) => convert((unit, defined), (&name, theirs.as_ref()))?,
+                            None => as_it_is(unit, defined)?,
+                        }
                     }
                     _ => Linear::IDENTITY,
                 };
@@ -197,26 +205,39 @@ impl Bound {
     }
 }
 
-/// The map from one unit to another: identity where one of them is not known.
+/// The map from one unit to another. A unit means what its definition says, else what its name says; equal names need
+/// no meaning.
 pub(super) fn convert(
     (from, from_unit): (&str, Option<&Unit>),
-    (to, to_unit): (Option<&str>, Option<&Unit>),
+    (to, to_unit): (&str, Option<&Unit>),
 ) -> Result<Linear, UnitProblem> {
-    if to == Some(from) {
+    if to == from {
         return Ok(Linear::IDENTITY);
     }
-    let (Some(from_unit), Some(to_unit)) = (from_unit, to_unit) else {
-        return Ok(Linear::IDENTITY);
+    let meaning = |name: &str, unit: Option<&Unit>, other: &str| {
+        let defined = unit.and_then(|unit| unit.base).or_else(|| named(name));
+        let defined = defined.filter(|unit| unit.factor != 0.0);
+        defined.ok_or_else(|| UnitProblem::Unknown {
+            unit: name.to_owned(),
+            other: other.to_owned(),
+        })
     };
-    if from_unit.base.is_none() || to_unit.base.is_none() {
-        return Ok(Linear::IDENTITY);
+    let (source, target) = (meaning(from, from_unit, to)?, meaning(to, to_unit, from)?);
+    if !same_dimension(&source, &target) {
+        let (from, to) = (from.to_owned(), to.to_owned());
+        return Err(UnitProblem::Differ { from, to });
     }
-    let (factor, offset) = from_unit.conversion_to(to_unit).ok_or_else(|| {
-        let to = to.unwrap_or("1").to_owned();
-        UnitProblem {
-            from: from.to_owned(),
-            to,
-        }
-    })?;
-    Ok(Linear { factor, offset })
+    Ok(Linear {
+        factor: source.factor / target.factor,
+        offset: (source.offset - target.offset) / target.factor,
+    })
+}
+
+/// Refuses a unit for a variable without one, where the unit is not one of SI.
+fn as_it_is(from: &str, from_unit: Option<&Unit>) -> Result<Linear, UnitProblem> {
+    let meaning = from_unit.and_then(|unit| unit.base).or_else(|| named(from));
+    match meaning {
+        Some(unit) if unit.factor == 1.0 && unit.offset == 0.0 => Ok(Linear::IDENTITY),
+        _ => Err(UnitProblem::NoTarget { unit: from.to_owned() }),
+    }
 }

@@ -36,12 +36,23 @@ pub(super) enum EndProblem {
     NoUnit { end: End, unit: String },
 }
 
-/// Units of different dimensions.
+/// Reason why a value in one unit is no value in another.
 #[derive(Debug, thiserror::Error)]
-#[error("the unit {from} cannot be converted to {to}, the dimensions differ")]
-pub(super) struct UnitProblem {
-    pub from: String,
-    pub to: String,
+pub(super) enum UnitProblem {
+    #[error(
+        "the unit {from} cannot be converted to {to}, the dimensions differ: expected a unit of the dimension of {to}"
+    )]
+    Differ { from: String, to: String },
+    #[error(
+        "the unit {unit} is not known: expected {other}, a unit defined in <Units> with its BaseUnit, or one made of \
+         SI symbols such as kN/m, N.s/mm, g or deg; a value in the unit of the variable may stand without a unit"
+    )]
+    Unknown { unit: String, other: String },
+    #[error(
+        "the unit {unit} is not one of SI and the variable has none, so that nothing says which unit the FMU takes: \
+         expected the value as the FMU takes it, without a unit"
+    )]
+    NoTarget { unit: String },
 }
 
 /// Reason why a value does not fit the variable of a parameter.

@@ -8,6 +8,8 @@ use tempfile::TempDir;
 
 use super::*;
 
+mod units;
+
 /// An FMU that can be read but not run.
 fn fmu(name: &str, variables: Vec<Variable>) -> Vec<u8> {
     let package = Package {
@@ -28,6 +30,8 @@ fn fmus() -> [Vec<u8>; 2] {
             Variable::output("tempo", "m/s", "Velocity of the collector"),
             Variable::parameter("m1", "kg", 7.2, "Mass"),
             Variable::parameter("speed", "m/s", 50.0, "Speed"),
+            Variable::parameter("k", "N/m", 4200.0, "Stiffness"),
+            Variable::parameter("bare", "", 1.0, "Without a unit"),
             Variable::integer_parameter("n", 3, "Number"),
             Variable::boolean_parameter("on", true, "Switch"),
         ],
@@ -44,6 +48,13 @@ fn fmus() -> [Vec<u8>; 2] {
             && attributes.unit.as_deref() == Some("m")
         {
             attributes.unit = Some("mm".to_owned());
+        }
+    }
+    for variable in &mut collector.variables {
+        if let fmi2::model_description::Kind::Real { attributes, .. } = &mut variable.kind
+            && variable.name == "bare"
+        {
+            attributes.unit = None;
         }
     }
     let package = Package {

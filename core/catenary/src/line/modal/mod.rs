@@ -45,6 +45,8 @@ use nalgebra::Vector3;
 use scene::{Reduction, Scene};
 use std::sync::Arc;
 
+pub use store::cache_folder;
+
 /// Highest mode in units of the highest frequency that a strip sends out: a force of the filter's frequency `f` that
 /// moves with `v` sends waves of `f/(1 − v/c)` ahead. Measured on the line of EN 50318: with this ratio the modes left
 /// out change the filtered force by `LEFT_OUT` % of its standard deviation, and by the inverse fourth power elsewhere.

@@ -50,7 +50,7 @@ pub(super) fn known_or(
     if let Some((_, modes)) = known.iter().find(|(other, _)| *other == name) {
         return Ok(Arc::clone(modes));
     }
-    let folder = folder();
+    let folder = cache_folder();
     let file = folder.as_deref().map(|folder| folder.join(format!("modes-{name}.bin")));
     let modes = match file.as_deref().and_then(read) {
         Some(modes) => modes,
@@ -69,13 +69,19 @@ pub(super) fn known_or(
     Ok(modes)
 }
 
-/// Folder of the files: `PANTOLINE_CACHE`, else that of the user; none where both are unset or empty.
-fn folder() -> Option<PathBuf> {
+/// Folder of files that are kept to save time: `PANTOLINE_CACHE`, else that of the user; none where both are unset or
+/// empty.
+///
+/// A relative path of the user's variables is passed over, as the XDG Base Directory Specification asks: a cache in the
+/// current directory belongs to whoever made that directory.
+#[must_use]
+pub fn cache_folder() -> Option<PathBuf> {
     let of = |name: &str| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     if env::var_os("PANTOLINE_CACHE").is_some() {
         return of("PANTOLINE_CACHE");
     }
-    let user = of("XDG_CACHE_HOME").or_else(|| Some(of("HOME")?.join(".cache")));
+    let absolute = |name: &str| of(name).filter(|path| path.is_absolute());
+    let user = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")));
     user.map(|folder| folder.join("pantoline"))
 }
 
