@@ -11,8 +11,8 @@ const INTRODUCTION: &str = "\
 Every table and key of a scene with unit, range, default and meaning. Values are in SI units; a key in another unit
 names it. x runs along the track from the first support, y to the left, z up from the top of rail; entries of lists and
 spans are counted from 1. A key without a default and without \"optional\" must be given. A number may stand with its
-range, `{ value = 5.0e4, low = 4.0e4, high = 6.0e4, mark = \"standard\" }`, or have it under `[ranges]` by the path of its
-key: see [uncertainty](../guide/report.md#uncertainty).
+range, `{ value = 5.0e4, low = 4.0e4, high = 6.0e4, mark = \"standard\" }`, or have it under `[ranges]` by the path of
+its key: see [uncertainty](../guide/report.md#uncertainty).
 
 This file is generated from the code that reads scenes; after a change of a key it is written anew by
 

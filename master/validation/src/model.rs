@@ -14,7 +14,7 @@ pub enum ValidationError {
     Model {
         /// File as named.
         file: String,
-        /// What is wrong, and what would be right.
+        /// The fault, and what would be right.
         what: String,
     },
     /// A case that cannot be run.

@@ -80,8 +80,8 @@ impl Record {
         page.section(
             "Record",
             &format!(
-                "<p>Ranges: {}.</p>\n<p class=\"caption\">Program, SHA-256 <code>{}</code>. File of the ranges, SHA-256 \
-                 <code>{}</code>. Machine: {}. Date: {}.</p>\n",
+                "<p>Ranges: {}.</p>\n<p class=\"caption\">Program, SHA-256 <code>{}</code>. File of the ranges, \
+                 SHA-256 <code>{}</code>. Machine: {}. Date: {}.</p>\n",
                 escape(&self.source),
                 self.program,
                 self.model,

@@ -105,7 +105,10 @@ pub enum CommandError {
     #[error(transparent)]
     Validation(Box<validation::ValidationError>),
     /// Figures of a reference model outside of their ranges.
-    #[error("{standard}: {failed} of the figures lie outside of their ranges; the record is in {}", directory.display())]
+    #[error(
+        "{standard}: {failed} of the figures lie outside of their ranges; the record is in {}",
+        directory.display()
+    )]
     NotValid {
         /// Standard.
         standard: String,
@@ -116,8 +119,8 @@ pub enum CommandError {
     },
     /// A word that stands for nothing.
     #[error(
-        "{typed}: is no key of a scene, no figure, no standard and no note; expected one, such as {nearest}, or a limit \
-         as in \"EN 50367 std\""
+        "{typed}: is no key of a scene, no figure, no standard and no note; expected one, such as {nearest}, or a \
+         limit as in \"EN 50367 std\""
     )]
     Unexplained {
         /// As typed.

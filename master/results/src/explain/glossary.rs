@@ -62,8 +62,8 @@ static WORDS: [Word; 42] = [
     word(
         &["mean", "mean contact force", "mean_lower", "Fm"],
         "N",
-        "Mean of the filtered contact force over the evaluation range. Static force, aerodynamic lift and friction set it; \
-         the line hardly does.",
+        "Mean of the filtered contact force over the evaluation range. Static force, aerodynamic lift and friction \
+         set it; the line hardly does.",
         STATISTICS,
     ),
     word(
@@ -94,26 +94,30 @@ static WORDS: [Word; 42] = [
     word(
         &["loss_of_contact_percent", "loss of contact", "loss"],
         "%",
-        "Share of the evaluated time in which the raw force is zero. The raw force, as the filtered one passes zero smoothly.",
+        "Share of the evaluated time in which the raw force is zero. The raw force, as the filtered one passes zero \
+        smoothly.",
         STATISTICS,
     ),
     word(
         &["arcing", "NQ", "arc"],
         "%",
-        "Share of the time in losses of contact of 5 ms and longer. Each counts as an arc, as there is no electrical model.",
+        "Share of the time in losses of contact of 5 ms and longer. Each counts as an arc, as there is no electrical \
+        model.",
         STATISTICS,
     ),
     word(
         &["losses", "loss_classes"],
         "",
-        "Losses of contact one by one: time of the first sample without force, duration, place and span; and by duration.",
+        "Losses of contact one by one: time of the first sample without force, duration, place and span; and by \
+        duration.",
         STATISTICS,
     ),
     word(
         &["bands", "band", "frequency bands"],
         "N",
-        "Standard deviation of the force in the bands of run.bands_hz, by filters without delay. A band is the low-pass at \
-         its upper end less that at its lower end of the rest, so that neighbouring bands add up to the whole.",
+        "Standard deviation of the force in the bands of run.bands_hz, by filters without delay. A band is the \
+         low-pass at its upper end less that at its lower end of the rest, so that neighbouring bands add up to the \
+         whole.",
         STATISTICS,
     ),
     word(
@@ -125,8 +129,8 @@ static WORDS: [Word; 42] = [
     word(
         &["filter", "filtered", "low_pass_hz", "other_filter"],
         "",
-        "Butterworth low-pass of the force at run.low_pass_hz: zero_phase of order 4 forward and backward (no delay), or \
-         causal of order 6 forward only, as on a measuring train [EN 50317].",
+        "Butterworth low-pass of the force at run.low_pass_hz: zero_phase of order 4 forward and backward (no delay), \
+         or causal of order 6 forward only, as on a measuring train [EN 50317].",
         STATISTICS,
     ),
     word(
@@ -150,8 +154,8 @@ static WORDS: [Word; 42] = [
     word(
         &["uplift", "max_at_support_m", "uplift at support"],
         "m",
-        "Largest rise of the contact wire above its height at t = 0 at the supports that bound the evaluated spans, in the \
-         whole run.",
+        "Largest rise of the contact wire above its height at t = 0 at the supports that bound the evaluated spans, \
+         in the whole run.",
         STATISTICS,
     ),
     word(
@@ -169,15 +173,15 @@ static WORDS: [Word; 42] = [
     word(
         &["contact_height"],
         "m",
-        "Height of the contact wire where the strip touches it, filtered like the force, and its largest gradient along the \
-         track.",
+        "Height of the contact wire where the strip touches it, filtered like the force, and its largest gradient \
+         along the track.",
         STATISTICS,
     ),
     word(
         &["speed_ratio", "wave speed"],
         "–",
-        "Running speed by the speed of transverse waves of the contact wire, √(tension/mass per length). Near 1 the waves \
-         ahead of the strip pile up.",
+        "Running speed by the speed of transverse waves of the contact wire, √(tension/mass per length). Near 1 the \
+         waves ahead of the strip pile up.",
         "docs/theory/line.md",
     ),
     word(
@@ -208,8 +212,8 @@ static WORDS: [Word; 42] = [
     word(
         &["mesh"],
         "%",
-        "Error of the finite elements. Waves ahead of the strip are shortest, f/(1 − v/c): elements have to resolve them. \
-         catenary.mesh.error_percent sets it.",
+        "Error of the finite elements. Waves ahead of the strip are shortest, f/(1 − v/c): elements have to resolve \
+         them. catenary.mesh.error_percent sets it.",
         MESH,
     ),
     word(
@@ -227,7 +231,8 @@ static WORDS: [Word; 42] = [
     word(
         &["planar"],
         "%",
-        "Line in the vertical plane of the track: lateral motion is left out. Exact without stagger, curve and side wind.",
+        "Line in the vertical plane of the track: lateral motion is left out. Exact without stagger, curve and side \
+        wind.",
         REDUCTIONS,
     ),
     word(
@@ -264,8 +269,8 @@ static WORDS: [Word; 42] = [
     word(
         &["coupling", "algorithm"],
         "%",
-        "Error of exchanging places and forces once per macro step in place of solving line and pantographs together; 0 in \
-         a run as one system.",
+        "Error of exchanging places and forces once per macro step in place of solving line and pantographs together; \
+         0 in a run as one system.",
         COUPLING,
     ),
     word(
@@ -277,7 +282,8 @@ static WORDS: [Word; 42] = [
     word(
         &["rollbacks", "refused_steps"],
         "",
-        "Macro steps that were taken back and repeated: to correct a prediction, or shorter, where their error was too large.",
+        "Macro steps that were taken back and repeated: to correct a prediction, or shorter, where their error was \
+        too large.",
         COUPLING,
     ),
     word(
@@ -301,21 +307,22 @@ static WORDS: [Word; 42] = [
     word(
         &["verdict", "pass", "margin", "not decided", "not applicable"],
         "",
-        "A limit holds or fails by a margin in percent of it. Not decided: a figure is missing. Not applicable: the reason \
-         names the key that would make it apply.",
+        "A limit holds or fails by a margin in percent of it. Not decided: a figure is missing. Not applicable: the \
+         reason names the key that would make it apply.",
         FIRST_RUN,
     ),
     word(
         &["certainty", "[C]", "[R]"],
         "",
-        "Certainty of a limit's figure: [C] read in a text that quotes the standard, [R] remembered and not verified. Texts \
-         of the standards are not public.",
+        "Certainty of a limit's figure: [C] read in a text that quotes the standard, [R] remembered and not verified. \
+         Texts of the standards are not public.",
         STATISTICS,
     ),
     word(
         &["elasticity", "non-uniformity"],
         "m/N",
-        "Rise of the contact wire under one newton at rest, and how much it varies along a span: u = (max − min)/(max + min).",
+        "Rise of the contact wire under one newton at rest, and how much it varies along a span: u = (max − min)/(max \
+        + min).",
         "docs/guide/real-lines.md",
     ),
     word(

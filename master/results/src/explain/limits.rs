@@ -122,12 +122,15 @@ fn figure(limit: &Limit) -> Option<String> {
     })
 }
 
+/// A figure, its certainty, and the systems and speeds (km/h) that it holds for.
+type FigureCases = (String, Certainty, Vec<(Electrification, f64)>);
+
 /// Every limit that is known, with its figures over systems and speeds.
 #[must_use]
 pub fn limits() -> Vec<LimitText> {
     let mut all: Vec<LimitText> = Vec::new();
-    // Cases of each limit in turn: figure, certainty, then systems and speeds.
-    let mut cases: Vec<Vec<(String, Certainty, Vec<(Electrification, f64)>)>> = Vec::new();
+    // Cases of each limit in turn.
+    let mut cases: Vec<Vec<FigureCases>> = Vec::new();
     for speed in SPEEDS {
         for system in Electrification::ALL {
             for limit in of_run(*system, speed) {
@@ -145,9 +148,7 @@ pub fn limits() -> Vec<LimitText> {
                     all.len() - 1
                 });
                 let Some(figure) = figure(&limit) else { continue };
-                let same = |(other, certainty, _): &&mut (String, Certainty, Vec<_>)| {
-                    *other == figure && *certainty == limit.certainty
-                };
+                let same = |(other, certainty, _): &&mut FigureCases| *other == figure && *certainty == limit.certainty;
                 match cases[index].iter_mut().find(same) {
                     Some((_, _, of)) => of.push((*system, speed)),
                     None => cases[index].push((figure, limit.certainty, vec![(*system, speed)])),

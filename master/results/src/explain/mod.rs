@@ -23,8 +23,8 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// Explanation of `typed`: the name of a figure, cause or note, a quantity that is limited, a standard, or both as in
-    /// `EN 50367 std`.
+    /// Explanation of `typed`: the name of a figure, cause or note, a quantity that is limited, a standard, or both as
+    /// in `EN 50367 std`.
     #[must_use]
     pub fn of(typed: &str) -> Self {
         let typed = typed.trim();

@@ -172,7 +172,8 @@ impl Page {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}{}</style>\n<script>\n{SCRIPT}</script>\n</head>\n<body>\n<main>\n{}\
+             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}{}</style>\n<script>\n{SCRIPT}</script>\n</head>\n<body>\n\
+             <main>\n{}\
              </main>\n{plotly}\n</body>\n</html>\n",
             self.title, self.style, self.body
         )

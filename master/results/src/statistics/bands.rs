@@ -19,9 +19,9 @@ pub struct Band {
 /// Part of `signal` between `from` and `to` Hz, one sample every `step` s: what the low-pass filter without delay
 /// leaves at `to`, less what it leaves of that at `from`.
 ///
-/// Forward and backward, low-pass and high-pass of a Butterworth filter add up to one at every frequency, so that this is
-/// the high-pass at `from`, and neighbouring bands add up to the whole. The variances do so up to twice the covariance
-/// of the bands, as both pass a part of the frequencies around the end they share.
+/// Forward and backward, low-pass and high-pass of a Butterworth filter add up to one at every frequency, so that this
+/// is the high-pass at `from`, and neighbouring bands add up to the whole. The variances do so up to twice the
+/// covariance of the bands, as both pass a part of the frequencies around the end they share.
 ///
 /// # Errors
 /// [`FilterError`] for frequencies that the step does not resolve, and records that are too short.

@@ -130,7 +130,8 @@ fn each_span_has_the_figures_of_its_own_samples() {
 
 #[test]
 fn the_causal_filter_agrees_with_sosfilt_of_scipy_and_delays() {
-    // sos = s.butter(6, 20, fs=200, output="sos"); s.sosfilt(sos, x, zi=s.sosfilt_zi(sos)*x[0]), of the signal of tests.rs
+    // sos = s.butter(6, 20, fs=200, output="sos"); s.sosfilt(sos, x, zi=s.sosfilt_zi(sos)*x[0]), of the signal of
+    // tests.rs
     const EXPECTED: [f64; 16] = [
         149.99999999999983,
         149.97917571312163,

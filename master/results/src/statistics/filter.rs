@@ -118,7 +118,8 @@ impl Section {
     }
 }
 
-/// Butterworth low-pass of order `2 n`, bilinear transform: of order 4 forward and backward, or of order 6 forward only.
+/// Butterworth low-pass of order `2 n`, bilinear transform: of order 4 forward and backward, or of order 6 forward
+/// only.
 ///
 /// ```text
 /// |H(iω)|² = 1 / (1 + (ω/ω_c)^(4n))             one pass, analogue prototype
@@ -126,10 +127,10 @@ impl Section {
 /// s = (1/K) (z − 1)/(z + 1),  K = tan(π f_c/f_s) bilinear transform, pre-warped at f_c
 /// ```
 ///
-/// Forward and backward, there is no phase shift, and the cut-off frequency is attenuated by a factor of 2. The ends are
-/// continued by point reflection (odd padding), each pass starts in the steady state of its first value: the convention
-/// of `scipy.signal.sosfiltfilt` with its defaults. Forward only, the delay of a filter on a train is kept; that of
-/// `scipy.signal.sosfilt` with `sosfilt_zi` times the first value.
+/// Forward and backward, there is no phase shift, and the cut-off frequency is attenuated by a factor of 2. The ends
+/// are continued by point reflection (odd padding), each pass starts in the steady state of its first value: the
+/// convention of `scipy.signal.sosfiltfilt` with its defaults. Forward only, the delay of a filter on a train is kept;
+/// that of `scipy.signal.sosfilt` with `sosfilt_zi` times the first value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LowPass {
     sections: Vec<Section>,

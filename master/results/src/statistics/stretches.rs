@@ -21,8 +21,9 @@ pub struct Stretch {
     pub loss_of_contact_percent: Option<f64>,
 }
 
-/// Figures on the stretches between these places (m), as far as samples of `range` lie there: places of the contact in m,
-/// `filtered` and `raw` force in N. A place that two stretches share belongs to the second, that of the end to the last.
+/// Figures on the stretches between these places (m), as far as samples of `range` lie there: places of the contact in
+/// m, `filtered` and `raw` force in N. A place that two stretches share belongs to the second, that of the end to the
+/// last.
 #[must_use]
 pub fn stretches(ends: &[(f64, f64)], x: &[f64], [filtered, raw]: [&[f64]; 2], range: &Range<usize>) -> Vec<Stretch> {
     let last = ends.iter().fold(f64::NEG_INFINITY, |last, (_, to)| last.max(*to));

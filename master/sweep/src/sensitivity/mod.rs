@@ -63,8 +63,8 @@ impl Parameter {
             ranges.push(range);
         }
         if ranges.is_empty() {
-            let what = "gives no number a range: must give some, as in \"catenary.damping.alpha\" = { low = 0.005, high \
-                        = 0.03 } under [ranges], or --range catenary.damping.alpha=0.005:0.03";
+            let what = "gives no number a range: must give some, as in \"catenary.damping.alpha\" = { low = 0.005, \
+                        high = 0.03 } under [ranges], or --range catenary.damping.alpha=0.005:0.03";
             return Err(SweepError::wish(&base.origin, what));
         }
         let parameter = |range: Range| {

@@ -50,6 +50,7 @@ fn bars(figure: &FigureEffects, id: &str) -> String {
             "marker": { "color": colour },
         })
     };
+    let axis = format!("change of {} [{}]", figure.figure, figure.unit);
     let figure_of = json!({
         "data": [
             trace("at the least value", plots::COLOURS[0], |effect| effect.at_low),
@@ -57,7 +58,7 @@ fn bars(figure: &FigureEffects, id: &str) -> String {
         ],
         "layout": {
             "barmode": "overlay",
-            "xaxis": { "title": { "text": format!("change of {} [{}]", figure.figure, figure.unit) }, "zeroline": true },
+            "xaxis": { "title": { "text": axis }, "zeroline": true },
             "yaxis": { "automargin": true },
             "margin": { "l": 20, "r": 16, "t": 30, "b": 50 },
             "font": { "family": "system-ui, sans-serif", "size": 13 },
@@ -92,10 +93,11 @@ impl Sensitivity {
         page.section(
             "Figures",
             &format!(
-                "<div class=\"scroll\"><table data-csv=\"figures\"><thead><tr><th class=\"n\">pantograph</th><th>figure</th>\
-                 <th class=\"n\">value</th><th class=\"n\">below</th><th class=\"n\">above</th><th>unit</th></tr></thead>\n\
-                 <tbody>{}</tbody></table></div>\n<p class=\"caption\">Below and above: changes that all parameters make \
-                 together, added by squares as for independent parameters and small changes.</p>\n",
+                "<div class=\"scroll\"><table data-csv=\"figures\"><thead><tr><th class=\"n\">pantograph</th>\
+                 <th>figure</th><th class=\"n\">value</th><th class=\"n\">below</th><th class=\"n\">above</th>\
+                 <th>unit</th></tr></thead>\n\
+                 <tbody>{}</tbody></table></div>\n<p class=\"caption\">Below and above: changes that all parameters \
+                 make together, added by squares as for independent parameters and small changes.</p>\n",
                 lines.collect::<String>()
             ),
         );
