@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::run::ModeArgument;
 use super::sweep::text_of;
-use super::{CommandError, found, interrupted, print, print_json};
+use super::{CommandError, found, interrupted, print, print_json, write_json};
 use crate::cli::Common;
 use ::sweep::sensitivity::{self, CSV, JSON, PAGE, Parameter, Sensitivity};
 use ::sweep::{Base, Options, Sweep, SweepError};
@@ -81,6 +81,7 @@ pub fn sensitivity(arguments: &SensitivityArguments, common: &Common) -> Result<
     }
     let records = sweep.records(&directory)?;
     let found = Sensitivity::of((&name, mode.name(), identity), &parameters, &records);
+    write_json(&output, JSON, &found)?;
     write(&found, &output).map_err(CommandError::Results)?;
     if common.json {
         print_json(&found)?;
@@ -101,13 +102,6 @@ fn write(found: &Sensitivity, output: &OutputDirectory) -> Result<(), ResultsErr
             source,
         })?;
         out.write_all(&csv).map_err(results::io(path, "write"))
-    })?;
-    output.replace(JSON, |out, path| {
-        let text = serde_json::to_string_pretty(found).map_err(|source| ResultsError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        out.write_all(text.as_bytes()).map_err(results::io(path, "write"))
     })?;
     output.write_page(PAGE, &found.page())
 }

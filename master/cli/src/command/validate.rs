@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CommandError, found, interrupted, nothing_to_set, print, print_json, scene_text};
+use super::{CommandError, found, interrupted, nothing_to_set, print, print_json, scene_text, write_json};
 use crate::cli::Common;
 use cosim::package;
+use results::OutputDirectory;
 use results::report::{Progress, Show};
-use results::{OutputDirectory, ResultsError};
 use validation::{JSON, PAGE, ReferenceModel, Surroundings, ValidationError, record};
 
 /// Reference models that come with the program, by their names.
@@ -59,14 +59,7 @@ pub fn validate(arguments: &ValidateArguments, common: &Common) -> Result<(), Co
     };
     let found = record(&model, &text, &around)?;
     progress.finish();
-    let json = |out: &mut dyn std::io::Write, path: &Path| {
-        serde_json::to_writer_pretty(&mut *out, &found).map_err(|source| ResultsError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        out.write_all(b"\n").map_err(results::io(path, "write"))
-    };
-    output.replace(JSON, json).map_err(CommandError::Results)?;
+    write_json(&output, JSON, &found)?;
     output.write_page(PAGE, &found.page()).map_err(CommandError::Results)?;
     if common.json {
         print_json(&found)?;
