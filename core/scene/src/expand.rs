@@ -31,6 +31,9 @@ pub(crate) fn take_files(root: &mut Table, files: &Files) -> Vec<Wrong> {
             }
         }
     }
+    if let Some(assessment) = root.table_mut("assessment") {
+        library::take(assessment, "assessment", files, &mut found);
+    }
     if let Some(line) = root.table_mut("catenary") {
         library::take(line, "catenary", files, &mut found);
         let names = supports::take(line, files, &mut found);

@@ -32,6 +32,7 @@
 #![forbid(unsafe_code)]
 
 mod accuracy;
+mod assessment;
 mod catenary;
 mod check;
 mod check_line;
@@ -76,6 +77,7 @@ mod wind;
 mod write;
 
 pub use accuracy::{Accuracy, Open};
+pub use assessment::{Assessment, EDITIONS, LimitBound, LimitRow, LimitedQuantity, SystemGroup};
 pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds, WireKind};
 pub use check::Found;
 pub use contact::{Contact, ContactLaw};

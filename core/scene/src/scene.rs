@@ -10,7 +10,8 @@ use crate::overrides::{last_key, override_with};
 use crate::ranges::{Range, take_ranges};
 use crate::tree::{At, Sources, Table, parse};
 use crate::{
-    Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind,
+    Assessment, Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track,
+    Vehicle, Wind,
 };
 use std::sync::Arc;
 
@@ -41,6 +42,8 @@ pub struct Scene {
     pub coupling: Coupling,
     /// `[solver]`.
     pub solver: Solver,
+    /// `[assessment]`.
+    pub assessment: Assessment,
 }
 
 /// `[catenary]`: this program's line, or a supplied one.
@@ -160,6 +163,7 @@ impl Scene {
             model: Model::default(),
             coupling: Coupling::default(),
             solver: Solver::default(),
+            assessment: Assessment::default(),
         };
         scene.keep_contact_speed();
         scene
@@ -363,6 +367,10 @@ impl Entry for Scene {
         ("model", "Reductions that make a run faster."),
         ("coupling", "Exchange between line and pantographs."),
         ("solver", "Time integration of each side."),
+        (
+            "assessment",
+            "Limits that the run is held against, beside those that the program knows.",
+        ),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -404,6 +412,11 @@ impl Entry for Scene {
             model: keys.table_or_empty("model", was.map(|scene| &scene.model)),
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
+            assessment: keys.table_or_empty(
+                "assessment",
+                was.map(|scene| &scene.assessment)
+                    .filter(|own| **own != Assessment::default()),
+            ),
         };
         let step_is_given = keys.is_given("solver.micro_step");
         if let Some(MeshChoice::Error { choose_micro_step, .. }) = scene.mesh_mut().map(|mesh| &mut mesh.choice) {

@@ -156,6 +156,9 @@ enum Command {
         /// Word as in a scene, a table or a report: run.low_pass_hz, std, "EN 50367 mean", mesh
         #[arg(required = true, value_name = "WORD")]
         words: Vec<String>,
+        /// Scene whose [assessment] holds: limits of your own stand in their places
+        #[arg(long, value_name = "SCENE")]
+        scene: Option<PathBuf>,
     },
     /// Prints a script that completes commands and options in a shell
     #[command(args = [hidden_set(), hidden_out(), hidden_json()], after_help = EXIT_STATUS)]
@@ -241,7 +244,7 @@ pub fn main() -> ExitCode {
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
         Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
         Command::Validate(arguments) => validate::validate(&arguments, &common),
-        Command::Explain { words } => command::explain::explain(&words, &common),
+        Command::Explain { words, scene } => command::explain::explain(&words, scene.as_deref(), &common),
         Command::Completions { shell } => command::completions::completions(shell),
         Command::Report { directories } => command::report::report(&directories, &common),
     };

@@ -86,6 +86,17 @@ impl LineGeometry {
         let span = if x == end { passed - 1 } else { passed };
         (1..self.support_x.len()).contains(&span).then_some(span)
     }
+
+    /// Length of the longest span of which places `x` (m) cover more than a hundredth, m; `None` where there is none.
+    #[must_use]
+    pub fn longest_span(&self, x: &[f64]) -> Option<f64> {
+        let (from, to) = (x.iter().copied().reduce(f64::min)?, x.iter().copied().reduce(f64::max)?);
+        let spans = self.support_x.windows(2).filter(|ends| {
+            let covered = to.min(ends[1]) - from.max(ends[0]);
+            covered > 0.01 * (ends[1] - ends[0])
+        });
+        spans.map(|ends| ends[1] - ends[0]).reduce(f64::max)
+    }
 }
 
 impl StripRecord {

@@ -1,6 +1,7 @@
 //! The summary of a run: what `summary.json` holds.
 
 use component::{Percentiles, Share};
+use scene::Assessment;
 use serde::{Deserialize, Serialize};
 
 use super::{Detail, Record, SupportRecord};
@@ -29,6 +30,8 @@ pub struct RunInfo {
     pub evaluation: Evaluation,
     /// Properties of the line that decide which limits apply.
     pub line: standards::Line,
+    /// Editions and limits of the user's own.
+    pub assessment: Assessment,
     /// How the two sides were coupled.
     pub coupling: Coupling,
     /// The model.
@@ -342,8 +345,14 @@ impl Summary {
                 force: filtered,
                 vertical_amplitude: summary.strip.vertical_amplitude,
                 loss_of_contact: summary.contact_force.loss_of_contact_percent,
-                arcing: long_loss_of_contact_percent(&strip.force, range, info.evaluation.output_step, SHORTEST_ARC),
+                arcing: long_loss_of_contact_percent(
+                    &strip.force,
+                    range.clone(),
+                    info.evaluation.output_step,
+                    SHORTEST_ARC,
+                ),
                 section: info.evaluation.speed * (to - from),
+                longest_span: strip.contact_x.get(range).and_then(|x| record.line.longest_span(x)),
             });
             pantographs.push(summary);
         }
@@ -362,7 +371,8 @@ impl Summary {
             output_step: info.evaluation.output_step,
             uplift: max_at_support,
         };
-        let mut limits = standards::limits(&conditions, &figures);
+        let mut limits = standards::limits(&conditions, &figures, &info.assessment);
+        set_tolerances(&mut limits, &info.accuracy, &pantographs);
         if !info.complete {
             for limit in &mut limits {
                 limit.pass = None;
@@ -407,6 +417,29 @@ impl Summary {
     #[must_use]
     pub fn label(&self) -> String {
         format!("{} ({})", self.scene, self.mode)
+    }
+}
+
+/// Errors of extremes by the rms error: that of a normal error which one sample in some hundred exceeds, –.
+const EXTREMES: f64 = 3.0;
+
+/// Gives limits of the force the numerical uncertainty of their values: the expected error is the rms of the
+/// difference in percent of σ, which neither the mean nor σ can differ by more than.
+fn set_tolerances(limits: &mut [Limit], accuracy: &Accuracy, pantographs: &[PantographSummary]) {
+    let Some(percent) = accuracy.expected_percent else {
+        return;
+    };
+    for limit in limits {
+        let of = limit.pantograph.and_then(|number| pantographs.get(number - 1));
+        let std = of
+            .and_then(|pantograph| pantograph.contact_force.filtered)
+            .map(|force| force.std);
+        let times = match limit.quantity.as_str() {
+            "mean" | "mean_lower" | "std" => 1.0,
+            "max" | "min" => EXTREMES,
+            _ => continue,
+        };
+        limit.tolerance = std.map(|std| times * percent / 100.0 * std);
     }
 }
 

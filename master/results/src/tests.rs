@@ -60,6 +60,7 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
         time,
     };
     let info = RunInfo {
+        assessment: scene::Assessment::default(),
         scene: "sample".to_owned(),
         title: "A <sample> & more".to_owned(),
         mode: "monolithic".to_owned(),

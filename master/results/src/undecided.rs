@@ -26,7 +26,7 @@ const DEPTH: f64 = 0.05;
 const ROUNDING: f64 = 1e-9;
 
 /// Limits of the setting, which hold or fail whatever was recorded.
-const OF_THE_SETTING: [&str; 4] = ["speed_ratio", "band", "sampling_rate", "control_section"];
+const OF_THE_SETTING: [&str; 3] = ["speed_ratio", "band", "sampling_rate"];
 
 /// Takes back the verdict on every limit that the record says nothing about, and gives the reasons, one for each
 /// pantograph that has any.

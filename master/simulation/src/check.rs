@@ -81,7 +81,12 @@ fn limits_of(scene: &Scene, line: &Catenary, statics: &StaticsReport) -> Vec<Lim
     let gradient = slopes.iter().filter_map(|(gradient, _)| *gradient).map(f64::abs);
     let change = slopes.iter().filter_map(|(_, change)| *change).map(f64::abs);
     let (gradient, change) = (gradient.reduce(f64::max), change.reduce(f64::max));
-    limits_at_rest(&line_of(scene), scene.run.speed, gradient, change)
+    limits_at_rest(
+        &line_of(scene),
+        (scene.run.speed, scene.pantographs.len()),
+        (gradient, change),
+        &scene.assessment,
+    )
 }
 
 impl Report {

@@ -479,6 +479,7 @@ impl Prepared {
                 speed: scene.run.speed,
             },
             line: line_of(scene),
+            assessment: scene.assessment.clone(),
             coupling,
             model: self.model(),
             accuracy: accuracy::of(scene, mode, step),

@@ -171,6 +171,36 @@ impl Keys<'_> {
         }
     }
 
+    /// A list of strings, none of them empty; an empty list where it is left out.
+    pub(crate) fn optional_texts(&mut self, name: &str, was: Option<&[String]>, expected: &str) -> Vec<String> {
+        if let Some(texts) = was {
+            if !texts.is_empty() {
+                let list = texts.iter().map(|text| Value::String(text.clone()).into());
+                self.push(name, Value::List(list.collect()));
+            }
+            return texts.to_vec();
+        }
+        self.may_be_left_out(name);
+        if self.record(name, "", "list of texts", None) {
+            return Vec::new();
+        }
+        let Some(node) = self.node(name).cloned() else {
+            return Vec::new();
+        };
+        let text = |entry: &Node| match &entry.value {
+            Value::String(text) if !text.is_empty() => Some(text.clone()),
+            _ => None,
+        };
+        let texts: Option<Vec<String>> = match &node.value {
+            Value::List(list) => list.iter().map(text).collect(),
+            _ => None,
+        };
+        texts.unwrap_or_else(|| {
+            self.wrong_type(name, &node.value, expected.to_owned());
+            Vec::new()
+        })
+    }
+
     /// A string that may be left out.
     pub(crate) fn optional_text(&mut self, name: &str, was: Option<Option<&str>>, expected: &str) -> Option<String> {
         self.has(name, was.flatten().is_some())

@@ -1,10 +1,12 @@
 //! `master explain`.
 
+use std::path::Path;
+
 use results::explain::Explanation;
-use scene::KeyText;
+use scene::{Assessment, KeyText};
 use serde::Serialize;
 
-use super::{CommandError, nothing_to_set, print, print_json};
+use super::{CommandError, SceneFile, nothing_to_set, print, print_json};
 use crate::cli::Common;
 
 /// Most names that a hint lists.
@@ -50,10 +52,14 @@ impl Key {
 ///
 /// # Errors
 /// See [`CommandError`].
-pub fn explain(words: &[String], common: &Common) -> Result<(), CommandError> {
+pub fn explain(words: &[String], scene: Option<&Path>, common: &Common) -> Result<(), CommandError> {
     nothing_to_set("master explain", common)?;
+    let assessment = match scene {
+        Some(path) => SceneFile::read(path, common)?.scene.assessment,
+        None => Assessment::default(),
+    };
     let typed = words.join(" ");
-    let found = found(&typed);
+    let found = found(&typed, &assessment);
     if found.keys.is_empty() && found.results.is_empty() {
         return Err(CommandError::Unexplained {
             nearest: nearest(&typed),
@@ -75,7 +81,7 @@ fn plain(path: &str) -> String {
     parts.collect::<Vec<_>>().join(".")
 }
 
-fn found(typed: &str) -> Found {
+fn found(typed: &str, assessment: &Assessment) -> Found {
     // A note begins with its subject.
     let typed = typed.trim().trim_start_matches("note: ");
     let subject = typed.split(": ").next().unwrap_or(typed);
@@ -91,7 +97,7 @@ fn found(typed: &str) -> Found {
     });
     Found {
         keys: keys.collect(),
-        results: Explanation::of(subject),
+        results: Explanation::of(subject, assessment),
     }
 }
 
@@ -121,21 +127,26 @@ mod tests {
             "pantograph[2].static_force",
             "catenary.contact_wire",
         ] {
-            assert!(!found(typed).keys.is_empty(), "{typed}");
+            assert!(!found(typed, &Assessment::default()).keys.is_empty(), "{typed}");
         }
-        let key = &found("run.speed_kmh").keys[0];
+        let key = &found("run.speed_kmh", &Assessment::default()).keys[0];
         assert!(
             key.text().contains("run.speed_kmh [km/h]\n  Speed of the train."),
             "{}",
             key.text()
         );
-        assert!(found("catenary.contact_wire").keys.len() > 3);
+        assert!(found("catenary.contact_wire", &Assessment::default()).keys.len() > 3);
     }
 
     #[test]
     fn a_note_is_explained_by_its_subject_and_a_word_that_is_not_known_has_neighbours() {
         let note = "note: mesh: the filtered force is wrong by about 0.9 %";
-        assert!(found(note).results.text().contains("Error of the finite elements"));
+        assert!(
+            found(note, &Assessment::default())
+                .results
+                .text()
+                .contains("Error of the finite elements")
+        );
         assert!(nearest("low_pas").starts_with("run.low_pass_hz") || nearest("low_pas").contains("low_pass_hz"));
     }
 }

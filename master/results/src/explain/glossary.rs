@@ -312,10 +312,11 @@ static WORDS: [Word; 42] = [
         FIRST_RUN,
     ),
     word(
-        &["certainty", "[C]", "[R]"],
+        &["certainty", "[C]", "[R]", "[S]", "[H]"],
         "",
-        "Certainty of a limit's figure: [C] read in a text that quotes the standard, [R] remembered and not verified. \
-         Texts of the standards are not public.",
+        "Certainty of a limit's figure: [C] read in a text that quotes the standard, [R] remembered and not verified, \
+         [S] read in the standard by the one who entered it under [assessment], [H] chosen, in no standard. Texts of the \
+         standards are not public.",
         STATISTICS,
     ),
     word(

@@ -1,6 +1,6 @@
 //! Limits of standards in words: clause, figure and certainty over systems and speeds.
 
-use scene::Electrification;
+use scene::{Assessment, Electrification};
 use serde::Serialize;
 
 use crate::standards::{self, Bound, Certainty, Conditions, Figures, Limit, Line};
@@ -20,6 +20,9 @@ pub struct LimitText {
     pub quantity: String,
     /// Edition, clause or table.
     pub clause: String,
+    /// Source of a limit that the user has entered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
     /// Cases in which it has a figure.
     pub figures: Vec<LimitFigure>,
     /// Practice where it fails.
@@ -56,6 +59,9 @@ impl LimitText {
                 figure.certainty.mark()
             ));
         }
+        if let Some(source) = &self.source {
+            text.push_str(&format!("  entered from: {source}\n"));
+        }
         if self.figures.is_empty() {
             text.push_str("  no figure is known here\n");
         }
@@ -67,7 +73,7 @@ impl LimitText {
 }
 
 /// Limits that a run of usual figures is held against, of a system at a speed.
-fn of_run(system: Electrification, speed_kmh: f64) -> Vec<Limit> {
+fn of_run(system: Electrification, speed_kmh: f64, assessment: &Assessment) -> Vec<Limit> {
     let line = Line {
         electrification: Some(system),
         wave_speed: Some(120.0),
@@ -88,9 +94,10 @@ fn of_run(system: Electrification, speed_kmh: f64) -> Vec<Limit> {
         loss_of_contact: Some(0.0),
         arcing: Some(0.0),
         section: 120.0,
+        longest_span: Some(60.0),
     };
-    let at_rest = standards::limits_at_rest(&line, conditions.speed, Some(1e-3), Some(1e-3));
-    let mut all = standards::limits(&conditions, &[figures]);
+    let at_rest = standards::limits_at_rest(&line, (conditions.speed, 1), (Some(1e-3), Some(1e-3)), assessment);
+    let mut all = standards::limits(&conditions, &[figures], assessment);
     // The ratio of speeds is among both.
     let more = at_rest.into_iter().filter(|limit| {
         let same = |other: &Limit| other.standard == limit.standard && other.quantity == limit.quantity;
@@ -114,7 +121,7 @@ fn figure(limit: &Limit) -> Option<String> {
         (Some(formula), _) => format!("{sign} {formula}"),
         // Figures of the run itself.
         (None, "std") => format!("{sign} {}", limit.remark),
-        (None, "free_uplift") => format!("{sign} {}", limit.remark),
+        (None, "free_uplift" | "control_section") => format!("{sign} {}", limit.remark),
         _ if limit.bound == Bound::Equal || limit.unit != "m" => {
             format!("{sign} {} {}", (1e4 * value).round() / 1e4, limit.unit)
         }
@@ -122,18 +129,30 @@ fn figure(limit: &Limit) -> Option<String> {
     })
 }
 
+/// Speeds on both sides of every bound, km/h.
+fn speeds(assessment: &Assessment) -> Vec<f64> {
+    let rows = assessment.limits.iter();
+    let own = rows.flat_map(|row| [Some(row.above_kmh).filter(|speed| *speed > 0.0), row.up_to_kmh]);
+    let own = own.flatten().flat_map(|bound| [bound, bound + 1.0]);
+    let mut speeds: Vec<f64> = SPEEDS.into_iter().chain(own).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
+}
+
 /// A figure, its certainty, and the systems and speeds (km/h) that it holds for.
 type FigureCases = (String, Certainty, Vec<(Electrification, f64)>);
 
 /// Every limit that is known, with its figures over systems and speeds.
 #[must_use]
-pub fn limits() -> Vec<LimitText> {
+pub fn limits(assessment: &Assessment) -> Vec<LimitText> {
     let mut all: Vec<LimitText> = Vec::new();
     // Cases of each limit in turn.
     let mut cases: Vec<Vec<FigureCases>> = Vec::new();
-    for speed in SPEEDS {
+    let speeds = speeds(assessment);
+    for &speed in &speeds {
         for system in Electrification::ALL {
-            for limit in of_run(*system, speed) {
+            for limit in of_run(*system, speed, assessment) {
                 let known =
                     (all.iter()).position(|text| text.standard == limit.standard && text.quantity == limit.quantity);
                 let index = known.unwrap_or_else(|| {
@@ -141,6 +160,7 @@ pub fn limits() -> Vec<LimitText> {
                         standard: limit.standard.clone(),
                         quantity: limit.quantity.clone(),
                         clause: limit.clause.clone(),
+                        source: limit.source.clone(),
                         figures: Vec::new(),
                         remedy: limit.remedy(),
                     });
@@ -160,7 +180,7 @@ pub fn limits() -> Vec<LimitText> {
         text.figures = cases
             .into_iter()
             .map(|(limit, certainty, of)| LimitFigure {
-                case: case(&of),
+                case: case(&of, &speeds),
                 limit,
                 certainty,
             })
@@ -170,8 +190,8 @@ pub fn limits() -> Vec<LimitText> {
 }
 
 /// Systems and speeds of a figure in words.
-fn case(of: &[(Electrification, f64)]) -> String {
-    if of.len() == SPEEDS.len() * Electrification::ALL.len() {
+fn case(of: &[(Electrification, f64)], all: &[f64]) -> String {
+    if of.len() == all.len() * Electrification::ALL.len() {
         return "every system and speed".to_owned();
     }
     let mut systems: Vec<&str> = Vec::new();
@@ -187,8 +207,8 @@ fn case(of: &[(Electrification, f64)]) -> String {
     let (low, high) = of.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, speed)| {
         (low.min(*speed), high.max(*speed))
     });
-    let first = SPEEDS.first().is_some_and(|speed| *speed == low);
-    let last = SPEEDS.last().is_some_and(|speed| *speed == high);
+    let first = all.first().is_some_and(|speed| *speed == low);
+    let last = all.last().is_some_and(|speed| *speed == high);
     let speeds = match (first, last) {
         (true, true) => "every speed".to_owned(),
         (true, false) => format!("up to {high:.0} km/h"),

@@ -8,6 +8,7 @@
 mod glossary;
 mod limits;
 
+use scene::Assessment;
 use serde::Serialize;
 
 pub use glossary::{Word, glossary};
@@ -24,16 +25,19 @@ pub struct Explanation {
 
 impl Explanation {
     /// Explanation of `typed`: the name of a figure, cause or note, a quantity that is limited, a standard, or both as
-    /// in `EN 50367 std`.
+    /// in `EN 50367 std`; limits with those of `assessment` in their places.
     #[must_use]
-    pub fn of(typed: &str) -> Self {
+    pub fn of(typed: &str, assessment: &Assessment) -> Self {
         let typed = typed.trim();
         let words = glossary()
             .iter()
             .filter(|word| word.is_called(typed))
             .copied()
             .collect();
-        let limits = limits().into_iter().filter(|limit| limit.is_called(typed)).collect();
+        let limits = limits(assessment)
+            .into_iter()
+            .filter(|limit| limit.is_called(typed))
+            .collect();
         Self { words, limits }
     }
 
@@ -50,7 +54,9 @@ impl Explanation {
             .iter()
             .flat_map(|word| word.names)
             .map(|name| (*name).to_owned());
-        let limits = limits().into_iter().flat_map(|limit| [limit.standard, limit.quantity]);
+        let limits = limits(&Assessment::default())
+            .into_iter()
+            .flat_map(|limit| [limit.standard, limit.quantity]);
         let mut names: Vec<String> = words.chain(limits).collect();
         names.sort();
         names.dedup();
@@ -77,20 +83,29 @@ mod tests {
         let (info, record) = run(true);
         for limit in Summary::new(&info, &record).limits {
             let typed = format!("{} {}", limit.standard, limit.quantity);
-            let found = Explanation::of(&typed);
+            let found = Explanation::of(&typed, &Assessment::default());
             assert_eq!(found.limits.len(), 1, "{typed}");
-            assert!(!Explanation::of(&limit.quantity).words.is_empty(), "{}", limit.quantity);
+            assert!(
+                !Explanation::of(&limit.quantity, &Assessment::default())
+                    .words
+                    .is_empty(),
+                "{}",
+                limit.quantity
+            );
         }
         let causes = scene::Reduction::ALL.iter().map(|reduction| reduction.name());
         for cause in causes.chain(["mesh", "step", "newton_tolerance", "coupling"]) {
-            assert!(!Explanation::of(cause).words.is_empty(), "{cause}");
+            assert!(
+                !Explanation::of(cause, &Assessment::default()).words.is_empty(),
+                "{cause}"
+            );
         }
-        assert!(Explanation::of("nothing").is_empty());
+        assert!(Explanation::of("nothing", &Assessment::default()).is_empty());
     }
 
     #[test]
     fn a_limit_tells_its_figure_for_each_system_and_speed_with_clause_and_certainty() {
-        let text = Explanation::of("EN 50367 mean").text();
+        let text = Explanation::of("EN 50367 mean", &Assessment::default()).text();
         for part in [
             "2012, Table 6",
             "0.00097 v² + 70 N",
@@ -104,13 +119,13 @@ mod tests {
             assert!(text.contains(part), "{part}: {text}");
         }
         // One standard: all of its limits.
-        assert!(Explanation::of("en 50119").limits.len() >= 5);
+        assert!(Explanation::of("en 50119", &Assessment::default()).limits.len() >= 5);
     }
 
     #[test]
     fn a_figure_is_found_by_each_of_its_names() {
         for name in ["std", "σ", "Standard deviation"] {
-            let found = Explanation::of(name);
+            let found = Explanation::of(name, &Assessment::default());
             assert_eq!(found.words.len(), 1, "{name}");
             assert!(found.text().contains("1/n Σ (Fᵢ − mean)²"), "{}", found.text());
         }

@@ -2,8 +2,9 @@
 
 use super::label::NamedRun;
 use super::plots::colour;
-use super::table::{MARKS, bounded, cause, number, quantity_name, readable, shares, verdict};
+use super::table::{bounded, cause, marks, number, quantity_name, readable, shares, verdict};
 use super::{PageColumn, cell, cells, escape, heads, lined, remarks};
+use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
 use crate::{Accuracy, Part, RunBundle, Summary};
 
@@ -273,7 +274,11 @@ pub(super) fn limits(runs: &[NamedRun<'_>]) -> String {
             ));
         }
     }
-    html.push_str(&format!("</tbody></table></div>\n<p class=\"caption\">{MARKS}.</p>\n"));
+    let all: Vec<Limit> = runs.iter().flat_map(|run| run.summary.limits.clone()).collect();
+    html.push_str(&format!(
+        "</tbody></table></div>\n<p class=\"caption\">{}.</p>\n",
+        marks(&all)
+    ));
     html
 }
 

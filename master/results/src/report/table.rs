@@ -1,7 +1,7 @@
 //! The table at the end of a run.
 
-use super::verdict::{by_urgency, margin, sentence};
-use crate::standards::Limit;
+use super::verdict::{by_urgency, margin, reservations, sentence};
+use crate::standards::{Certainty, Limit};
 use crate::statistics::ForceStatistics;
 use crate::{Accuracy, Cost, ErrorShare, Part, Summary};
 use component::Share;
@@ -23,10 +23,19 @@ pub(super) fn shares(cost: &Cost) -> String {
 
 /// Number of the `limit` in a unit that is easy to read: heights in mm.
 pub(super) fn readable(limit: &Limit) -> (Option<f64>, Option<f64>, &str) {
-    if limit.unit == "m" && limit.quantity != "control_section" {
-        (limit.value.map(|v| 1e3 * v), limit.limit.map(|v| 1e3 * v), "mm")
-    } else {
-        (limit.value, limit.limit, &limit.unit)
+    let (scale, unit) = scale(limit);
+    (
+        limit.value.map(|value| scale * value),
+        limit.limit.map(|value| scale * value),
+        unit,
+    )
+}
+
+/// Factor and unit of a quantity for reading.
+pub(super) fn scale(limit: &Limit) -> (f64, &str) {
+    match limit.unit.as_str() {
+        "m" if limit.quantity != "control_section" => (1e3, "mm"),
+        unit => (1.0, unit),
     }
 }
 
@@ -71,8 +80,20 @@ pub(super) fn bounded(limit: &Limit) -> String {
     bound.map_or_else(|| "–".to_owned(), |bound| format!("{} {bound:.2}", limit.bound.sign()))
 }
 
-/// Meaning of the marks of the limits.
-pub(super) const MARKS: &str = "[C] figure read in a text that quotes the standard, [R] remembered and not verified";
+/// Meaning of the marks that `limits` have.
+pub(super) fn marks(limits: &[Limit]) -> String {
+    let all = [
+        Certainty::Cited,
+        Certainty::Remembered,
+        Certainty::Standard,
+        Certainty::Chosen,
+    ];
+    let used = all
+        .into_iter()
+        .filter(|mark| limits.iter().any(|limit| limit.certainty == *mark));
+    let said = used.map(|mark| format!("{} {}", mark.mark(), mark.meaning()));
+    said.collect::<Vec<_>>().join(", ")
+}
 
 /// Lays out `rows` in columns: the first one flush left, all others flush right.
 pub fn aligned(rows: &[Vec<String>]) -> String {
@@ -147,7 +168,7 @@ const LIMITS: &[TextColumn<Limit, 1>] = &[
 fn limits(summary: &Summary) -> String {
     let limits = by_urgency(&summary.limits);
     let mut text = aligned(&text_table(LIMITS, &limits));
-    text.push_str(&format!("  {MARKS}\n"));
+    text.push_str(&format!("  {}\n", marks(&limits)));
     let mut reasons: Vec<&str> = Vec::new();
     for limit in limits.iter().filter(|limit| !limit.applicable) {
         if !reasons.contains(&&*limit.reason) {
@@ -288,7 +309,11 @@ pub fn table(summary: &Summary) -> String {
     if !summary.complete {
         text.push_str(&format!("INCOMPLETE: {}\n", summary.incomplete_reason));
     }
-    text.push_str(&format!("{}\n\n", sentence(&summary.limits)));
+    text.push_str(&format!("{}\n", sentence(&summary.limits)));
+    for reservation in reservations(&summary.limits) {
+        text.push_str(&format!("  {reservation}\n"));
+    }
+    text.push('\n');
     text.push_str(&limits(summary));
     for part in [figures(summary), modelled(summary), cost(&summary.cost)] {
         text.push('\n');

@@ -212,7 +212,18 @@ fn table_and_page_open_with_the_verdict_and_the_failed_limits_first() {
         lines[1].starts_with(&format!("Verdict: {failed} limits fail, {held} hold, ")),
         "{text}"
     );
-    let verdicts: Vec<&str> = lines[4..4 + failed + held]
+    // Remembered figures are told before the table.
+    let head = lines
+        .iter()
+        .position(|line| line.trim_start().starts_with("limit "))
+        .unwrap();
+    assert!(
+        lines[2..head]
+            .iter()
+            .any(|line| line.contains("remembered, not verified")),
+        "{text}"
+    );
+    let verdicts: Vec<&str> = lines[head + 1..head + 1 + failed + held]
         .iter()
         .map(|line| if line.contains("FAIL") { "FAIL" } else { "pass" })
         .collect();

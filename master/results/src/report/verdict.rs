@@ -1,10 +1,10 @@
 //! The verdict that opens page and table: which limits fail, which hold, and by how much.
 
 use super::label::NamedRun;
-use super::table::{number, quantity_name, readable};
+use super::table::{number, quantity_name, readable, scale};
 use super::{cell, escape, head_cells, lined, table};
 use crate::Summary;
-use crate::standards::{Bound, Limit};
+use crate::standards::{Certainty, Limit};
 
 /// Limits in the order in which they are read: failed, held with the least room first, not decided, not
 /// applicable.
@@ -21,23 +21,10 @@ pub(super) fn by_urgency(limits: &[Limit]) -> Vec<Limit> {
     limits
 }
 
-/// Distance of the value from its limit, in the unit of the limit: positive where the limit holds, negative where it
-/// fails.
-fn room(limit: &Limit) -> Option<f64> {
-    let (value, bound, _) = readable(limit);
-    let (value, bound) = value.zip(bound)?;
-    match limit.bound {
-        Bound::AtMost | Bound::Below => Some(bound - value),
-        Bound::AtLeast | Bound::Above => Some(value - bound),
-        Bound::Equal => (value != bound).then(|| -(value - bound).abs()),
-    }
-}
-
-/// [`room`] by the limit, –; nothing for a limit of zero.
+/// Room of the value by the limit, –; nothing for a limit of zero.
 fn share(limit: &Limit) -> Option<f64> {
-    let (_, bound, _) = readable(limit);
-    let bound = bound.filter(|bound| *bound != 0.0)?;
-    Some(room(limit)? / bound.abs())
+    let bound = limit.limit.filter(|bound| *bound != 0.0)?;
+    Some(limit.room()? / bound.abs())
 }
 
 /// Margin of a decided `limit` for reading: in percent of the limit, or in its unit where the limit is zero.
@@ -45,10 +32,10 @@ pub(super) fn margin(limit: &Limit) -> String {
     if limit.pass.is_none() {
         return String::new();
     }
-    let (_, _, unit) = readable(limit);
-    match (share(limit), room(limit)) {
+    let (scale, unit) = scale(limit);
+    match (share(limit), limit.room()) {
         (Some(share), _) => format!("{:+.1} %", 100.0 * share),
-        (None, Some(room)) => format!("{room:+.2} {unit}"),
+        (None, Some(room)) => format!("{:+.2} {unit}", scale * room),
         (None, None) => "–".to_owned(),
     }
     .replace('-', "−")
@@ -80,6 +67,43 @@ pub(super) fn sentence(limits: &[Limit]) -> String {
         parts.push(counted(other, "does not apply", "do not apply"));
     }
     format!("Verdict: {}", parts.join(", "))
+}
+
+/// Reservations about the verdict, a sentence each: limits that are closer than the computation is certain, and
+/// figures that could not be verified.
+pub(super) fn reservations(limits: &[Limit]) -> Vec<String> {
+    let named = |limits: Vec<&Limit>| {
+        let mut names: Vec<String> = Vec::new();
+        for limit in limits {
+            let mut of_all = limit.clone();
+            of_all.pantograph = None;
+            let name = format!("{} {}", limit.standard, quantity_name(&of_all));
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names.join(", ")
+    };
+    let decided = || limits.iter().filter(|limit| limit.pass.is_some());
+    let close: Vec<&Limit> = decided().filter(|limit| limit.is_close()).collect();
+    let remembered: Vec<&Limit> = decided()
+        .filter(|limit| limit.certainty == Certainty::Remembered)
+        .collect();
+    let mut said = Vec::new();
+    if !close.is_empty() {
+        said.push(format!(
+            "Within the numerical uncertainty of the run, so that a finer one may turn the verdict: {}",
+            named(close)
+        ));
+    }
+    if !remembered.is_empty() {
+        said.push(format!(
+            "Figures of these limits are remembered, not verified against the standard: {}. Enter those of your copy \
+             under [assessment]",
+            named(remembered)
+        ));
+    }
+    said
 }
 
 /// The failed limits in words, for messages: `EN 50367 standard deviation 37.30 N (< 31.89)`.
@@ -119,7 +143,21 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
         let (value, _, unit) = readable(limit);
         let (name, mark) = (escape(&quantity_name(limit)), limit.certainty.mark());
         let standard = escape(&limit.standard);
-        let why = if pass { String::new() } else { why(limit) };
+        let mut why = if pass { String::new() } else { why(limit) };
+        if let (true, Some(tolerance)) = (limit.is_close(), limit.tolerance) {
+            let (scale, unit) = scale(limit);
+            why.push_str(&format!(
+                "<br><span class=\"soft\">numerical uncertainty ± {} {}</span>",
+                number(Some(scale * tolerance), 2),
+                escape(unit)
+            ));
+        }
+        if let Some(source) = &limit.source {
+            why.push_str(&format!(
+                "<br><span class=\"soft\">limit from {}</span>",
+                escape(source)
+            ));
+        }
         cell("s", &format!("<b class=\"{class}\">{word}</b>"))
             + &cell(
                 "",
@@ -144,6 +182,9 @@ pub(super) fn of_limits(limits: &[Limit]) -> String {
     };
     let sentence = sentence(limits);
     let mut html = format!("<p class=\"verdict {class}\">{}</p>\n", escape(&sentence));
+    for reservation in reservations(limits) {
+        html.push_str(&format!("<p class=\"reservation\">{}.</p>\n", escape(&reservation)));
+    }
     if any(true) || any(false) {
         let columns = [("limit", false), ("value", true), ("limit", true), ("margin", true)];
         let head = head_cells(columns.map(|(name, is_number)| (name, "", is_number)));

@@ -42,7 +42,7 @@ pub fn gradient_limit(speed_kmh: f64) -> (f64, f64) {
 
 /// Limits for one pantograph: in Table 4 the maximum goes with system and speed, the minimum is positive.
 pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
-    let table = (NAME, "2009, 5.2.5.2, Table 4");
+    let table = (NAME, "2009", "5.2.5.2, Table 4");
     let speed = conditions.speed_kmh();
     let max = Limit::new(table, "max", figures.force.map(|f| f.max), "N")
         .remembered()
@@ -73,7 +73,7 @@ pub(super) fn at_rest(line: &Line, speed: f64, gradient: Option<f64>, change: Op
     // Heights are found to fractions of a micrometre.
     let per_mille = |value: f64| (1e6 * value.abs()).round() / 1e3;
     let limit = |quantity: &str, value: Option<f64>, most: f64| {
-        Limit::new((NAME, "2009, 5.10.3"), quantity, value.map(per_mille), "‰")
+        Limit::new((NAME, "2009", "5.10.3"), quantity, value.map(per_mille), "‰")
             .bounded(Bound::AtMost, 1e3 * most)
             .remembered()
             .because(format!("{speed_kmh:.0} km/h"))
@@ -91,7 +91,7 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
     let line = &conditions.line;
     let factor = if line.uplift_stop { 1.5 } else { 2.0 };
     let space = Limit::new(
-        (NAME, "2009, 5.10.2 (TSI ENE 4.2.12)"),
+        (NAME, "2009", "5.10.2 (TSI ENE 4.2.12)"),
         "free_uplift",
         line.free_uplift,
         "m",
@@ -123,7 +123,7 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
 /// Limit of the running speed (m/s) by the speed of waves.
 fn waves(line: &Line, speed: f64) -> Limit {
     let ratio = line.wave_speed.map(|waves| speed / waves);
-    let waves = Limit::new((NAME, "2009, 5.2.4"), "speed_ratio", ratio, "–");
+    let waves = Limit::new((NAME, "2009", "5.2.4"), "speed_ratio", ratio, "–");
     match line.wave_speed {
         None => waves.not_applicable("the line is a supplied FMU: its wave speed is not known"),
         Some(waves_at) => waves

@@ -6,8 +6,8 @@ use super::{Bound, Certainty, Conditions, Figures, Limit, SHORTEST_ARC, alternat
 
 const NAME: &str = "EN 50367";
 /// The clauses of the edition that the thesis quotes are not given there.
-const QUOTED: (&str, &str) = (NAME, "2006, as quoted in [Thesis, 4.2.3]");
-const TSI: (&str, &str) = ("TSI ENE", "4.2.12, Table 4.2.12");
+const QUOTED: (&str, &str, &str) = (NAME, "2006", "as quoted in [Thesis, 4.2.3]");
+const TSI: (&str, &str, &str) = ("TSI ENE", "2014", "4.2.12, Table 4.2.12");
 
 /// Largest contact force, N.  [Thesis, 4.2.3]
 const MAX_FORCE: f64 = 350.0;
@@ -116,7 +116,7 @@ pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> Vec<L
 fn mean(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
     let speed = conditions.speed_kmh();
     let value = figures.force.map(|f| f.mean);
-    let table = (NAME, "2012, Table 6 (TSI ENE 4.2.11)");
+    let table = (NAME, "2012", "Table 6 (TSI ENE 4.2.11)");
     let curves = conditions
         .line
         .electrification

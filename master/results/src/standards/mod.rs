@@ -9,6 +9,7 @@
 //! | EN 50367, TSI ENE | `en50367` | mean force by system and speed, σ, maximum, uplift, amplitude, arcing |
 //! | EN 50119 | `en50119` | extremes of the force by system and speed, space for the uplift, speed against waves |
 //! | EN 50317 | `en50317` | how the force is measured: band, sampling, section |
+//! | any | `own` | limits that the user enters, `[assessment]`, in place of those above |
 //!
 //! Sources:
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
@@ -27,11 +28,14 @@
 mod en50119;
 mod en50317;
 mod en50367;
+mod own;
+#[cfg(test)]
+mod own_tests;
 #[cfg(test)]
 mod tests;
 
 pub use en50119::gradient_limit;
-use scene::Electrification;
+use scene::{Assessment, Electrification};
 use serde::{Deserialize, Serialize};
 
 use crate::statistics::{Filter, ForceStatistics};
@@ -41,6 +45,9 @@ use crate::statistics::{Filter, ForceStatistics};
 pub struct Limit {
     /// Name of the standard.
     pub standard: String,
+    /// Edition, by its year.
+    #[serde(default)]
+    pub edition: String,
     /// Edition, clause or table of it.
     #[serde(default)]
     pub clause: String,
@@ -70,6 +77,12 @@ pub struct Limit {
     /// How sure the figure is.
     #[serde(default)]
     pub certainty: Certainty,
+    /// Source of a limit that the user has entered; absent for those that the program knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// Numerical uncertainty of `value`, in `unit`; absent where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
     /// Formula, and what the value is.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub remark: String,
@@ -126,6 +139,12 @@ pub enum Certainty {
     /// Remembered, not verified.
     #[serde(rename = "R")]
     Remembered,
+    /// Read in the standard itself by the one who entered it.
+    #[serde(rename = "S")]
+    Standard,
+    /// Chosen, in no standard.
+    #[serde(rename = "H")]
+    Chosen,
 }
 
 impl Certainty {
@@ -135,6 +154,19 @@ impl Certainty {
         match self {
             Self::Cited => "[C]",
             Self::Remembered => "[R]",
+            Self::Standard => "[S]",
+            Self::Chosen => "[H]",
+        }
+    }
+
+    /// Meaning of the mark.
+    #[must_use]
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Cited => "figure read in a text that quotes the standard",
+            Self::Remembered => "remembered and not verified",
+            Self::Standard => "read in the standard by the one who entered it",
+            Self::Chosen => "chosen, in no standard",
         }
     }
 }
@@ -194,15 +226,17 @@ pub struct Figures {
     pub arcing: Option<f64>,
     /// Length of track that was evaluated, m.
     pub section: f64,
+    /// Length of the longest span that it touches, m; `None` where the line is not known.
+    pub longest_span: Option<f64>,
 }
 
 /// Duration from which an arc counts, s. `[TSI ENE, Table 4.2.12]`, remembered
 pub const SHORTEST_ARC: f64 = 5e-3;
 
 /// Every limit that is known here, in a fixed order: those of each pantograph, then those of the line and of the
-/// evaluation.
+/// evaluation; with the user's own in their places.
 #[must_use]
-pub fn limits(conditions: &Conditions, pantographs: &[Figures]) -> Vec<Limit> {
+pub fn limits(conditions: &Conditions, pantographs: &[Figures], assessment: &Assessment) -> Vec<Limit> {
     let mut all = Vec::new();
     for (i, figures) in pantographs.iter().enumerate() {
         let first = all.len();
@@ -216,26 +250,37 @@ pub fn limits(conditions: &Conditions, pantographs: &[Figures]) -> Vec<Limit> {
     all.push(en50367::uplift(conditions));
     all.extend(en50119::of_line(conditions));
     all.extend(en50317::of_evaluation(conditions));
-    for limit in &mut all {
-        limit.decide();
-    }
-    all
+    own::assessed(
+        all,
+        assessment,
+        (
+            conditions.line.electrification,
+            conditions.speed_kmh(),
+            pantographs.len(),
+        ),
+    )
 }
 
 /// Limits of a line at rest: running speed in m/s, largest gradient of the contact wire and largest change of
-/// it, – and –.
+/// it, – and –; `pantographs` is their number.
 #[must_use]
-pub fn limits_at_rest(line: &Line, speed: f64, gradient: Option<f64>, change: Option<f64>) -> Vec<Limit> {
-    let mut all = en50119::at_rest(line, speed, gradient, change).to_vec();
-    all.iter_mut().for_each(Limit::decide);
-    all
+pub fn limits_at_rest(
+    line: &Line,
+    (speed, pantographs): (f64, usize),
+    (gradient, change): (Option<f64>, Option<f64>),
+    assessment: &Assessment,
+) -> Vec<Limit> {
+    let all = en50119::at_rest(line, speed, gradient, change).to_vec();
+    own::assessed(all, assessment, (line.electrification, kmh(speed), pantographs))
 }
 
 impl Limit {
-    fn new((standard, clause): (&str, &str), quantity: &str, value: Option<f64>, unit: &str) -> Self {
+    /// A limit of a standard, its edition and a clause of it.
+    fn new((standard, edition, clause): (&str, &str, &str), quantity: &str, value: Option<f64>, unit: &str) -> Self {
         Self {
             standard: standard.to_owned(),
-            clause: clause.to_owned(),
+            edition: edition.to_owned(),
+            clause: format!("{edition}, {clause}"),
             quantity: quantity.to_owned(),
             pantograph: None,
             value,
@@ -246,6 +291,8 @@ impl Limit {
             applicable: true,
             reason: String::new(),
             certainty: Certainty::Cited,
+            source: None,
+            tolerance: None,
             remark: String::new(),
         }
     }
@@ -258,6 +305,11 @@ impl Limit {
 
     fn remembered(mut self) -> Self {
         self.certainty = Certainty::Remembered;
+        self
+    }
+
+    fn chosen(mut self) -> Self {
+        self.certainty = Certainty::Chosen;
         self
     }
 
@@ -275,6 +327,33 @@ impl Limit {
     fn remark(mut self, remark: impl Into<String>) -> Self {
         self.remark = remark.into();
         self
+    }
+
+    /// Standard with its edition, as `assessment.editions` names it.
+    #[must_use]
+    pub fn edition_name(&self) -> String {
+        format!("{}:{}", self.standard, self.edition)
+    }
+
+    /// Distance of the value from the limit, in `unit`: positive where the limit holds, negative where it fails.
+    #[must_use]
+    pub fn room(&self) -> Option<f64> {
+        let (value, limit) = self.value.zip(self.limit)?;
+        match self.bound {
+            Bound::AtMost | Bound::Below => Some(limit - value),
+            Bound::AtLeast | Bound::Above => Some(value - limit),
+            Bound::Equal => (value != limit).then(|| -(value - limit).abs()),
+        }
+    }
+
+    /// True for a decided limit that is closer to the value than the computation is certain.
+    #[must_use]
+    pub fn is_close(&self) -> bool {
+        let close = self
+            .room()
+            .zip(self.tolerance)
+            .is_some_and(|(room, tolerance)| room.abs() < tolerance);
+        self.pass.is_some() && close
     }
 
     /// Remedy that practice tries first where the limit fails; nothing where there is none.

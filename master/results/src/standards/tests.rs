@@ -26,6 +26,7 @@ fn figures(force: &[f64], amplitude: f64) -> Figures {
         loss_of_contact: Some(0.0),
         arcing: Some(0.0),
         section: 120.0,
+        longest_span: Some(60.0),
     }
 }
 
@@ -35,7 +36,7 @@ fn one(conditions: &Conditions, standard: &str, quantity: &str) -> Limit {
 }
 
 fn of(conditions: &Conditions, figures: &Figures, standard: &str, quantity: &str) -> Limit {
-    let all = limits(conditions, &[*figures]);
+    let all = limits(conditions, &[*figures], &Assessment::default());
     let mut found = all
         .into_iter()
         .filter(|l| l.standard == standard && l.quantity == quantity);
@@ -299,7 +300,17 @@ fn the_force_has_to_be_sampled_200_times_a_second() {
     let rate = one(&conditions(None, 360.0), "EN 50317", "sampling_rate");
     assert!(rate.remark.contains("every 100 mm"), "{}", rate.remark);
     let section = one(&conditions(None, 360.0), "EN 50317", "control_section");
-    assert_eq!((section.value, section.limit, section.pass), (Some(120.0), None, None));
+    assert_eq!((section.value, section.pass), (Some(120.0), Some(true)));
+    assert_eq!(section.certainty, Certainty::Chosen);
+    // A whole span holds, rounding included; a part of one does not.
+    for (length, pass) in [(60.0, true), (60.0 - 1e-9, true), (59.9, false)] {
+        let figures = Figures {
+            section: length,
+            ..figures(&[80.0, 120.0], 0.02)
+        };
+        let section = of(&conditions(None, 360.0), &figures, "EN 50317", "control_section");
+        assert_eq!(section.pass, Some(pass), "{length}");
+    }
 }
 
 #[test]
@@ -332,7 +343,7 @@ fn every_limit_has_a_clause_and_says_why_it_applies_or_not() {
     for system in Electrification::ALL.iter().copied().map(Some).chain([None]) {
         for speed in [100.0, 160.0, 200.0, 220.0, 250.0, 320.0] {
             let both = [figures(&[80.0, 120.0], 0.02); 2];
-            let all = limits(&conditions(system, speed), &both);
+            let all = limits(&conditions(system, speed), &both, &Assessment::default());
             for limit in &all {
                 assert!(!limit.clause.is_empty() && !limit.reason.is_empty(), "{limit:?}");
                 assert_eq!(
@@ -355,6 +366,7 @@ fn a_run_without_force_is_not_decided() {
         arcing: None,
         vertical_amplitude: None,
         section: 0.0,
+        longest_span: None,
     };
     let all = limits(
         &Conditions {
@@ -362,6 +374,7 @@ fn a_run_without_force_is_not_decided() {
             ..conditions(Some(Ac25Kv), 200.0)
         },
         &[empty],
+        &Assessment::default(),
     );
     for limit in all.iter().filter(|limit| limit.pantograph.is_some()) {
         assert_eq!(limit.pass, None, "{}", limit.quantity);
