@@ -10,8 +10,8 @@ use crate::overrides::{last_key, override_with};
 use crate::ranges::{Range, take_ranges};
 use crate::tree::{At, Sources, Table, parse};
 use crate::{
-    Assessment, Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track,
-    Vehicle, Wind,
+    Assessment, Catenary, Contact, Coupling, Evaluate, Measurement, MeshChoice, Model, Pantograph, Run, Solver,
+    Supplied, Track, Vehicle, Wind,
 };
 use std::sync::Arc;
 
@@ -42,6 +42,8 @@ pub struct Scene {
     pub coupling: Coupling,
     /// `[solver]`.
     pub solver: Solver,
+    /// `[measurement]`; `None`: nothing is measured.
+    pub measurement: Option<Measurement>,
     /// `[assessment]`.
     pub assessment: Assessment,
 }
@@ -163,6 +165,7 @@ impl Scene {
             model: Model::default(),
             coupling: Coupling::default(),
             solver: Solver::default(),
+            measurement: None,
             assessment: Assessment::default(),
         };
         scene.keep_contact_speed();
@@ -368,6 +371,10 @@ impl Entry for Scene {
         ("coupling", "Exchange between line and pantographs."),
         ("solver", "Time integration of each side."),
         (
+            "measurement",
+            "Instruments of the heads, as on a measuring train; without it nothing is measured.",
+        ),
+        (
             "assessment",
             "Limits that the run is held against, beside those that the program knows.",
         ),
@@ -412,6 +419,7 @@ impl Entry for Scene {
             model: keys.table_or_empty("model", was.map(|scene| &scene.model)),
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
+            measurement: keys.optional_table("measurement", was.map(|scene| scene.measurement.as_ref())),
             assessment: keys.table_or_empty(
                 "assessment",
                 was.map(|scene| &scene.assessment)

@@ -123,3 +123,53 @@ fn effects_are_differences_of_runs_and_later_runs_of_the_scene_know_them() {
         Some(0)
     );
 }
+
+#[test]
+fn a_measured_series_is_compared_with_the_run_and_a_figure_beyond_its_bound_is_exit_status_3() {
+    let folder = tempfile::tempdir().unwrap();
+    validate::model(folder.path(), (50.0, 200.0));
+    let scene = folder.path().join("short.toml").display().to_string();
+    let run = folder.path().join("run");
+    let output = master(
+        &["run", &scene, "--mode", "monolithic", "--no-report", "--no-animation"],
+        &run,
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    // The run's own force as the measurement: over the whole record, where the model evaluates 0.7 s of it.
+    let series = std::fs::read_to_string(run.join("timeseries.csv")).unwrap();
+    let mut lines = series.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| head.iter().position(|found| found.starts_with(name)).unwrap();
+    let (time, force) = (column("time"), column("contact[1].force"));
+    let rows = |scale: f64| {
+        let row = |line: &str| {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+            format!("{},{}\n", cells[time], 100.0 + scale * (cells[force] - 100.0))
+        };
+        let rows = lines.clone().map(row);
+        format!("time_s,force_N\n{}", rows.collect::<String>())
+    };
+    for (scale, status) in [(1.0, 0), (3.0, 3)] {
+        std::fs::write(folder.path().join("measured.csv"), rows(scale)).unwrap();
+        let model = "standard = \"own\"\nsource = \"a test\"\n[[case]]\nname = \"short\"\nscene = \"short.toml\"\n\
+                     figures = [\"mean\"]\n[case.measured]\nsource = \"own run\"\nforce = \"measured.csv\"\n\
+                     agreement_percent = { std = 60 }\n";
+        let path = folder.path().join("measured.toml");
+        std::fs::write(&path, model).unwrap();
+        let to = folder.path().join(format!("to-{scale}"));
+        let output = master(&["validate", &path.display().to_string()], &to);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{said}");
+        let record = json(&to.join("validation.json"));
+        assert_eq!(record["without_range"], 1);
+        let figures = record["cases"][0]["measured"]["figures"].as_array().unwrap();
+        assert_eq!(figures.len(), 6);
+        let std = figures.iter().find(|figure| figure["quantity"] == "std").unwrap();
+        assert_eq!(std["pass"], status == 0, "{std}");
+        assert!(
+            std::fs::read_to_string(to.join("validation.html"))
+                .unwrap()
+                .contains("plot-spectra-1")
+        );
+    }
+}

@@ -16,6 +16,7 @@ mod directory;
 mod error;
 pub mod explain;
 mod head;
+mod instrument;
 mod record;
 pub mod recorder;
 pub mod report;
@@ -32,7 +33,8 @@ pub use detail::{ContactHeight, Detail, OtherFilter};
 pub use directory::io;
 pub use directory::{OutputDirectory, RunBundle, SUMMARY};
 pub use error::ResultsError;
-pub use record::{LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, WindRecord};
+pub use instrument::{Bending, Gain, Instrument, Measured};
+pub use record::{DropperRow, LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, WindRecord};
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
     Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,

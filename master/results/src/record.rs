@@ -75,6 +75,27 @@ pub struct LineGeometry {
     /// First and last support of each tension length, m, where there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tension_lengths: Vec<(f64, f64)>,
+    /// Droppers at rest; empty where the line is not modelled.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub droppers: Vec<DropperRow>,
+}
+
+/// A dropper at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DropperRow {
+    /// Tension length, from 1.
+    pub tension_length: usize,
+    /// Span of it, from 1.
+    pub span: usize,
+    /// Number within the span, from 1.
+    pub number: usize,
+    /// Place along the track, m.
+    pub x_m: f64,
+    /// Unstressed length, m.
+    pub length_m: f64,
+    /// Tension, N.
+    #[serde(rename = "force_N")]
+    pub force_n: f64,
 }
 
 impl LineGeometry {

@@ -4,7 +4,7 @@ use component::{Percentiles, Share};
 use scene::Assessment;
 use serde::{Deserialize, Serialize};
 
-use super::{Detail, Record, SupportRecord};
+use super::{Detail, Instrument, Measured, Record, SupportRecord};
 use crate::standards::{self, Conditions, Figures, Limit, SHORTEST_ARC};
 use crate::statistics::{
     Filter, FilterError, ForceStatistics, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
@@ -32,6 +32,8 @@ pub struct RunInfo {
     pub line: standards::Line,
     /// Editions and limits of the user's own.
     pub assessment: Assessment,
+    /// Instruments of the heads; nothing is measured without them.
+    pub instrument: Option<Instrument>,
     /// How the two sides were coupled.
     pub coupling: Coupling,
     /// The model.
@@ -230,6 +232,9 @@ pub struct Summary {
     pub uncertainty: Vec<Uncertainty>,
     /// Cost of the run.
     pub cost: Cost,
+    /// Instruments of the heads; absent where nothing is measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instrument: Option<Instrument>,
     /// Free remarks.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -248,6 +253,9 @@ pub struct PantographSummary {
     /// The same force in detail.
     #[serde(default)]
     pub detail: Detail,
+    /// The force as instruments measure it; absent where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Measured>,
 }
 
 /// Contact force over the evaluation range; `null` where the run ended before it.
@@ -338,6 +346,8 @@ impl Summary {
                         }
                     })
                     .collect(),
+                measured: (info.instrument.as_ref())
+                    .and_then(|instrument| instrument.figures((i, strip), &force, &info.evaluation, &record.time)),
                 detail: Detail::of((strip, &force), &range, &info.evaluation, (&record.time, &record.line)),
             };
             let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
@@ -402,6 +412,7 @@ impl Summary {
             accuracy: info.accuracy.clone(),
             uncertainty: info.uncertainty.clone(),
             cost: info.cost.clone(),
+            instrument: info.instrument.clone(),
             notes,
         }
     }

@@ -4,6 +4,7 @@ use super::*;
 use crate::statistics::Filter;
 
 mod exchange;
+mod instrument;
 mod undecided;
 
 /// A run of 2 s with two pantographs and easily known figures: the raw force of pantograph 1 is
@@ -40,6 +41,7 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
             support_x: vec![0.0, 60.0, 120.0],
             dropper_x: vec![10.0, 30.0],
             tension_lengths: Vec::new(),
+            droppers: Vec::new(),
         },
         animation: Animation {
             frames: vec![Frame {

@@ -36,7 +36,7 @@ use cosim::slave::Slave;
 use cosim::timed::Timed;
 use results::recorder::Recorder;
 use results::standards;
-use results::{self, LineGeometry, Record, RunInfo};
+use results::{self, DropperRow, LineGeometry, Record, RunInfo};
 use suppliers::settling::{self, Settling};
 use suppliers::{SuppliedLine, SuppliedPantograph};
 use system::disturbance::Disturbance;
@@ -258,6 +258,20 @@ impl Prepared {
         })
     }
 
+    /// Droppers at rest; none of a supplied line.
+    fn droppers_at_rest(&self) -> Vec<DropperRow> {
+        let all = self.statics.as_ref().map(|line| line.report().droppers.iter());
+        let row = |dropper: &catenary::DropperReport| DropperRow {
+            tension_length: dropper.tension_length,
+            span: dropper.span,
+            number: dropper.dropper,
+            x_m: dropper.x,
+            length_m: dropper.length,
+            force_n: dropper.force,
+        };
+        all.into_iter().flatten().map(row).collect()
+    }
+
     fn recorder(&self, supports: &[usize]) -> Recorder {
         let line = self
             .scene
@@ -265,6 +279,7 @@ impl Prepared {
             .map_or_else(LineGeometry::default, |(catenary, _)| LineGeometry {
                 support_x: catenary.supports_x(),
                 dropper_x: catenary.droppers_x(),
+                droppers: self.droppers_at_rest(),
                 tension_lengths: match catenary.tension_lengths.as_slice() {
                     [_] => Vec::new(),
                     several => several.iter().map(|length| (length.start_x, length.end_x())).collect(),
@@ -480,6 +495,8 @@ impl Prepared {
             },
             line: line_of(scene),
             assessment: scene.assessment.clone(),
+            instrument: (scene.measurement.as_ref())
+                .map(|measurement| results::Instrument::new(measurement, scene.run.output_step)),
             coupling,
             model: self.model(),
             accuracy: accuracy::of(scene, mode, step),

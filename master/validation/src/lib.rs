@@ -3,14 +3,17 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `model` | [`ReferenceModel`]: a file of cases with their ranges |
+//! | `measured` | [`MeasuredFiles`]: measured series beside the computed ones |
 //! | `record` | [`Record`]: runs of the cases, and what they show |
 //! | `page` | `validation.html` |
 #![forbid(unsafe_code)]
 
+mod measured;
 mod model;
 mod page;
 mod record;
 
+pub use measured::{Compared, Measured, MeasuredFiles, Quantity};
 pub use model::{Case, Figure, ReferenceModel, ValidationError};
 pub use record::{Differences, Found, ModeFigures, Record, Run, Surroundings, record};
 

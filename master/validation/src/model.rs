@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use results::Summary;
 use serde::{Deserialize, Serialize};
 
+use crate::measured::MeasuredFiles;
+
 /// Reasons that keep a validation from its end.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
@@ -27,6 +29,14 @@ pub enum ValidationError {
         /// Reason.
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A measured series that cannot be used.
+    #[error("case \"{case}\": {what}")]
+    Measured {
+        /// Name of the case.
+        case: String,
+        /// The fault, and what would be right.
+        what: String,
     },
     /// A run that was ended.
     #[error("ended before case \"{case}\" was complete: {reason}")]
@@ -128,7 +138,13 @@ pub struct Case {
     #[serde(default = "first")]
     pub pantograph: usize,
     /// Least and largest value of each figure, in its unit.
+    #[serde(default)]
     pub ranges: BTreeMap<Figure, (f64, f64)>,
+    /// Figures that are recorded without a range, because none is known.
+    #[serde(default)]
+    pub figures: Vec<Figure>,
+    /// Measured series that the run is compared with.
+    pub measured: Option<MeasuredFiles>,
 }
 
 const fn first() -> usize {
@@ -166,10 +182,14 @@ impl ReferenceModel {
         }
         for case in &model.cases {
             let name = &case.name;
-            if case.ranges.is_empty() {
+            if case.ranges.is_empty() && case.figures.is_empty() && case.measured.is_none() {
                 return Err(wrong(format!(
-                    "case \"{name}\": ranges must have at least one, such as std = [26.0, 31.0]"
+                    "case \"{name}\": must have ranges, such as std = [26.0, 31.0], figures without a range, such as \
+                     figures = [\"mean\", \"std\"], or a measured series"
                 )));
+            }
+            if let Some(complaint) = case.measured.as_ref().and_then(MeasuredFiles::complaint) {
+                return Err(wrong(format!("case \"{name}\": {complaint}")));
             }
             if case.pantograph == 0 {
                 return Err(wrong(format!(

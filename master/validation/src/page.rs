@@ -2,10 +2,53 @@
 
 use results::report::{Page, cell, escape, head_cells, saved};
 
-use crate::record::{Record, Run};
+use crate::measured::Measured;
+use crate::record::{Record, Run, verdict};
 
 fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}").replace('-', "−"))
+}
+
+fn class(pass: Option<bool>) -> &'static str {
+    match pass {
+        Some(true) => "good",
+        Some(false) => "bad",
+        None => "soft",
+    }
+}
+
+/// Measured figures beside those of the run as one system, and spectra of both.
+fn measured(measured: &Measured, number_of_case: usize) -> String {
+    let head = [
+        ("figure", "", false),
+        ("", "", false),
+        ("measured", "", true),
+        ("computed", "", true),
+        ("unit", "", false),
+        ("difference", "[%]", true),
+        ("bound", "[%]", true),
+    ];
+    let lines = measured.figures.iter().map(|compared| {
+        let (class, word) = (class(compared.pass), verdict(compared.pass));
+        let mark = if compared.remembered { " [R]" } else { "" };
+        let bound = compared
+            .bound_percent
+            .map_or_else(|| "–".to_owned(), |bound| format!("± {bound}{mark}"));
+        cell("", compared.quantity.name())
+            + &cell("s", &format!("<b class=\"{class}\">{word}</b>"))
+            + &cell("n", &number(Some(compared.measured), 2))
+            + &cell("n", &number(Some(compared.computed), 2))
+            + &cell("", compared.unit)
+            + &cell("n", &number(Some(compared.difference_percent), 1))
+            + &cell("n", &bound)
+    });
+    format!(
+        "<h3>Measured</h3>\n{}<p class=\"caption\">Measurement: {}. Both forces filtered alike; of the measurement the \
+         whole file, of the run the evaluation range. [R]: remembered, not verified.</p>\n{}",
+        saved(&format!("measured-{number_of_case}"), &head_cells(head), lines),
+        escape(&measured.source),
+        measured.figure(number_of_case)
+    )
 }
 
 fn table(run: &Run, index: usize) -> String {
@@ -16,7 +59,7 @@ fn table(run: &Run, index: usize) -> String {
         .chain([("unit", false)]);
     let head = head_cells(head.map(|(name, is_number)| (name, "", is_number)));
     let lines = run.figures.iter().map(|found| {
-        let (class, word) = if found.pass { ("good", "pass") } else { ("bad", "FAIL") };
+        let (class, word) = (class(found.pass), verdict(found.pass));
         let values: String = found
             .values
             .iter()
@@ -24,8 +67,8 @@ fn table(run: &Run, index: usize) -> String {
             .collect();
         cell("", found.figure.name())
             + &cell("s", &format!("<b class=\"{class}\">{word}</b>"))
-            + &cell("n", &number(Some(found.low), 1))
-            + &cell("n", &number(Some(found.high), 1))
+            + &cell("n", &number(found.range.map(|range| range.0), 1))
+            + &cell("n", &number(found.range.map(|range| range.1), 1))
             + &values
             + &cell("", found.unit)
     });
@@ -64,18 +107,25 @@ impl Record {
     #[must_use]
     pub fn page(&self) -> String {
         let mut page = Page::new(&format!("Validation: {}", self.standard));
-        let (class, verdict) = match self.pass {
-            true => ("good", "every figure lies in its range, in every mode"),
-            false => ("bad", "figures lie outside of their ranges"),
-        };
+        let class = if self.pass { "good" } else { "bad" };
         page.lead(&format!(
-            "<p>{} · Pantoline {} · {}</p>\n<p class=\"verdict {class}\">Verdict: {verdict}</p>\n",
+            "<p>{} · Pantoline {} · {}</p>\n<p class=\"verdict {class}\">Verdict: {}</p>\n",
             escape(&self.standard),
             escape(&self.version),
-            escape(&self.date)
+            escape(&self.date),
+            self.verdict()
         ));
         for (index, run) in self.cases.iter().enumerate() {
-            page.section(&run.name, &(table(run, index) + &evidence(run)));
+            let measured = run
+                .measured
+                .as_ref()
+                .map_or_else(String::new, |of| measured(of, index + 1));
+            let figures = if run.figures.is_empty() {
+                String::new()
+            } else {
+                table(run, index)
+            };
+            page.section(&run.name, &(figures + &measured + &evidence(run)));
         }
         page.section(
             "Record",

@@ -6,12 +6,14 @@ use std::sync::atomic::AtomicBool;
 use component::Progress;
 use experiments::engine::Machine;
 use experiments::engine::store::{by_content, digest, program};
+use results::statistics::rms_difference;
 use results::{ErrorShare, Record as Series, Summary};
 use scene::Files;
 use serde::Serialize;
-use simulation::{FmuSource, Mode, prepare};
+use simulation::{FmuSource, Mode, StaticLines, prepare_on};
 use system::run::Watch;
 
+use crate::measured::Measured;
 use crate::model::{Case, Figure, ReferenceModel, ValidationError};
 
 /// Modes of the runs; the first one is what the others are compared with.
@@ -24,8 +26,10 @@ pub struct Record {
     pub standard: String,
     /// Source of the ranges.
     pub source: String,
-    /// True where every figure lies in its range in every mode.
+    /// True where every figure that has a range lies in it in every mode, and every measured one within its bound.
     pub pass: bool,
+    /// Figures that no range is known for.
+    pub without_range: usize,
     /// Version of the program.
     pub version: String,
     /// Hash of the program, SHA-256.
@@ -57,6 +61,9 @@ pub struct Run {
     pub error_shares: Vec<ErrorShare>,
     /// Differences of coupled runs from that as one system.
     pub coupling: Vec<Differences>,
+    /// A measurement beside the run as one system.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Measured>,
 }
 
 /// A figure with its range.
@@ -66,14 +73,12 @@ pub struct Found {
     pub figure: Figure,
     /// Unit.
     pub unit: &'static str,
-    /// Least value.
-    pub low: f64,
-    /// Largest value.
-    pub high: f64,
+    /// Least and largest value; absent where no range is known.
+    pub range: Option<(f64, f64)>,
     /// Value in each mode.
     pub values: Vec<ModeFigures>,
-    /// True where all lie in the range.
-    pub pass: bool,
+    /// True where all lie in the range; absent without one.
+    pub pass: Option<bool>,
 }
 
 /// Value in a mode.
@@ -121,7 +126,12 @@ pub fn record(model: &ReferenceModel, text: &str, around: &Surroundings<'_>) -> 
     Ok(Record {
         standard: model.standard.clone(),
         source: model.source.clone(),
-        pass: cases.iter().flat_map(|run| &run.figures).all(|found| found.pass),
+        pass: cases.iter().all(|run| run.failed() == 0),
+        without_range: cases
+            .iter()
+            .flat_map(|run| &run.figures)
+            .filter(|found| found.pass.is_none())
+            .count(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         program: program().to_owned(),
         model: digest(&[text.as_bytes()]),
@@ -133,23 +143,25 @@ pub fn record(model: &ReferenceModel, text: &str, around: &Surroundings<'_>) -> 
 
 /// Runs a case in every mode.
 fn run(case: &Case, around: &Surroundings<'_>) -> Result<Run, ValidationError> {
-    let mut hash = String::new();
+    let origin = case.scene.display().to_string();
+    let path = around.folder.join(&case.scene);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let name = simulation::paths::scene_name(&path);
+    let failed = |mode: Mode, source: Box<dyn std::error::Error + Send + Sync>| ValidationError::Run {
+        case: case.name.clone(),
+        mode: mode.name(),
+        source,
+    };
+    let first = |source| failed(MODES[0], source);
+    let text = std::fs::read_to_string(&path).map_err(|source| first(format!("{origin}: {source}").into()))?;
+    let files = Files::new(|path| std::fs::read_to_string(folder.join(path)).map_err(|error| error.to_string()));
+    let scene = system::load_with(&text, &origin, &[], &files).map_err(|error| first(error.into()))?;
+    // All modes run on one static state.
+    let lines = StaticLines::keeping(1);
     let mut made: Vec<(Mode, Summary, Series)> = Vec::new();
     for mode in MODES {
-        let failed = |source: Box<dyn std::error::Error + Send + Sync>| ValidationError::Run {
-            case: case.name.clone(),
-            mode: mode.name(),
-            source,
-        };
-        let path = around.folder.join(&case.scene);
-        let origin = case.scene.display().to_string();
-        let text = std::fs::read_to_string(&path).map_err(|source| failed(format!("{origin}: {source}").into()))?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let files = Files::new(|path| std::fs::read_to_string(folder.join(path)).map_err(|error| error.to_string()));
-        let scene = system::load_with(&text, &origin, &[], &files).map_err(|error| failed(error.into()))?;
-        hash = digest(&[by_content(&scene, folder).to_toml().as_bytes()]);
-        let name = simulation::paths::scene_name(&path);
-        let mut prepared = prepare(scene, &name, folder, false).map_err(|error| failed(error.into()))?;
+        let prepared = prepare_on(&lines, scene.clone(), &name, folder, false);
+        let mut prepared = prepared.map_err(|error| failed(mode, error.into()))?;
         prepared.pictures = false;
         let source = FmuSource {
             folder: around.fmus.join(&name),
@@ -157,25 +169,31 @@ fn run(case: &Case, around: &Surroundings<'_>) -> Result<Run, ValidationError> {
         };
         let watch = Watch::new(around.interrupted, around.progress);
         let finished = prepared.run(mode, &source, &watch, |_| Ok::<(), simulation::SetupError>(()));
-        let finished = finished.map_err(|error| failed(error.into()))?;
+        let finished = finished.map_err(|error| failed(mode, error.into()))?;
         if let Some(failure) = finished.failure {
             let (case, reason) = (case.name.clone(), failure.to_string());
             return Err(ValidationError::Ended { case, reason });
         }
         made.push((mode, Summary::new(&finished.info, &finished.record), finished.record));
     }
-    let figures = case
-        .ranges
-        .iter()
-        .map(|(figure, range)| found(*figure, *range, case.pantograph, &made));
-    let (_, first, _) = &made[0];
+    let (_, summary, series) = &made[0];
+    let measured = case.measured.as_ref().map(|files| {
+        let beside = files.beside(around.folder, (summary, series), case.pantograph.saturating_sub(1));
+        beside.map_err(|what| ValidationError::Measured {
+            case: case.name.clone(),
+            what,
+        })
+    });
+    let ranges = case.ranges.iter().map(|(figure, range)| (*figure, Some(*range)));
+    let figures = ranges.chain(case.figures.iter().map(|figure| (*figure, None)));
+    let figures = figures.map(|(figure, range)| found(figure, range, case.pantograph, &made));
     Ok(Run {
         name: case.name.clone(),
-        scene: case.scene.display().to_string(),
-        scene_hash: hash,
+        scene: origin.clone(),
+        scene_hash: digest(&[by_content(&scene, folder).to_toml().as_bytes()]),
         figures: figures.collect(),
-        expected_error_percent: first.accuracy.expected_percent,
-        error_shares: first.accuracy.shares.clone(),
+        expected_error_percent: summary.accuracy.expected_percent,
+        error_shares: summary.accuracy.shares.clone(),
         coupling: made[1..]
             .iter()
             .map(|(mode, summary, series)| Differences {
@@ -183,10 +201,11 @@ fn run(case: &Case, around: &Surroundings<'_>) -> Result<Run, ValidationError> {
                 filtered_percent: difference((&made[0].1, &made[0].2), (summary, series), case.pantograph),
             })
             .collect(),
+        measured: measured.transpose()?,
     })
 }
 
-fn found(figure: Figure, (low, high): (f64, f64), pantograph: usize, made: &[(Mode, Summary, Series)]) -> Found {
+fn found(figure: Figure, range: Option<(f64, f64)>, pantograph: usize, made: &[(Mode, Summary, Series)]) -> Found {
     let values: Vec<ModeFigures> = made
         .iter()
         .map(|(mode, summary, _)| ModeFigures {
@@ -194,13 +213,15 @@ fn found(figure: Figure, (low, high): (f64, f64), pantograph: usize, made: &[(Mo
             value: figure.of(summary, pantograph),
         })
         .collect();
-    let inside = |value: &ModeFigures| value.value.is_some_and(|value| (low..=high).contains(&value));
+    let inside = |(low, high): (f64, f64)| {
+        let inside = |value: &ModeFigures| value.value.is_some_and(|value| (low..=high).contains(&value));
+        values.iter().all(inside)
+    };
     Found {
         figure,
         unit: figure.unit(),
-        low,
-        high,
-        pass: values.iter().all(inside),
+        range,
+        pass: range.map(inside),
         values,
     }
 }
@@ -217,23 +238,60 @@ fn difference(first: (&Summary, &Series), other: (&Summary, &Series), pantograph
     };
     let (first_force, other_force) = (filtered(first)?, filtered(other)?);
     let std = Figure::Std.of(first.0, pantograph).filter(|std| *std > 0.0)?;
-    if first_force.len() != other_force.len() || first_force.is_empty() {
-        return None;
+    Some(100.0 * rms_difference(&first_force, &other_force)? / std)
+}
+
+impl Run {
+    /// Figures outside of their ranges, and measured ones beyond their bounds.
+    #[must_use]
+    pub fn failed(&self) -> usize {
+        let measured = self.measured.iter().flat_map(|measured| &measured.figures);
+        let verdicts = self
+            .figures
+            .iter()
+            .map(|found| found.pass)
+            .chain(measured.map(|compared| compared.pass));
+        verdicts.filter(|pass| *pass == Some(false)).count()
     }
-    let squares: f64 = first_force.iter().zip(&other_force).map(|(a, b)| (a - b).powi(2)).sum();
-    Some(100.0 * (squares / first_force.len() as f64).sqrt() / std)
+}
+
+/// Verdict in a word; nothing where there is none.
+pub(crate) fn verdict(pass: Option<bool>) -> &'static str {
+    match pass {
+        Some(true) => "pass",
+        Some(false) => "FAIL",
+        None => "not decided",
+    }
 }
 
 impl Record {
+    /// The verdict in words.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let decided = (self.cases.iter()).any(|run| {
+            let measured = run.measured.iter().flat_map(|measured| &measured.figures);
+            let verdicts = run
+                .figures
+                .iter()
+                .map(|found| found.pass)
+                .chain(measured.map(|compared| compared.pass));
+            verdicts.flatten().next().is_some()
+        });
+        let said = match (self.pass, decided) {
+            (false, _) => "figures lie outside of their ranges",
+            (true, true) => "every figure lies in its range, in every mode",
+            (true, false) => "nothing is decided",
+        };
+        match self.without_range {
+            0 => said.to_owned(),
+            count => format!("{said}; no range is known for {count} figures"),
+        }
+    }
+
     /// The result in words, for the terminal.
     #[must_use]
     pub fn text(&self) -> String {
-        let verdict = if self.pass {
-            "every figure lies in its range"
-        } else {
-            "figures lie outside of their ranges"
-        };
-        let mut text = format!("{}: {verdict}\n", self.standard);
+        let mut text = format!("{}: {}\n", self.standard, self.verdict());
         for case in &self.cases {
             text.push_str(&format!("\n{}, {}\n", case.name, case.scene));
             for found in &case.figures {
@@ -244,13 +302,28 @@ impl Record {
                     )
                 });
                 text.push_str(&format!(
-                    "  {:<24} {:<52} {} to {} {}  {}\n",
+                    "  {:<24} {:<52} {} {}  {}\n",
                     found.figure.name(),
                     values.collect::<Vec<_>>().join(", "),
-                    found.low,
-                    found.high,
+                    found
+                        .range
+                        .map_or_else(|| "–".to_owned(), |(low, high)| format!("{low} to {high}")),
                     found.unit,
-                    if found.pass { "pass" } else { "FAIL" }
+                    verdict(found.pass)
+                ));
+            }
+            for compared in case.measured.iter().flat_map(|measured| &measured.figures) {
+                text.push_str(&format!(
+                    "  {:<24} measured {:.2}, computed {:.2} {}, {:+.1} %{}  {}\n",
+                    compared.quantity.name(),
+                    compared.measured,
+                    compared.computed,
+                    compared.unit,
+                    compared.difference_percent,
+                    compared
+                        .bound_percent
+                        .map_or_else(String::new, |bound| format!(" of ± {bound} %")),
+                    verdict(compared.pass)
                 ));
             }
             if let Some(percent) = case.expected_error_percent {

@@ -12,13 +12,16 @@ use results::report::{Progress, Show};
 use validation::{JSON, PAGE, ReferenceModel, Surroundings, ValidationError, record};
 
 /// Reference models that come with the program, by their names.
-const KNOWN: [(&str, &str); 1] = [("EN50318-2002", "standards/en50318-2002.toml")];
+const KNOWN: [(&str, &str); 2] = [
+    ("EN50318-2002", "standards/en50318-2002.toml"),
+    ("EN50318-2018", "standards/en50318-2018.toml"),
+];
 
 /// Arguments of `master validate`.
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
-    /// EN50318-2002, or a file of cases with their ranges
-    #[arg(value_name = "EN50318-2002|FILE", default_value = KNOWN[0].0)]
+    /// EN50318-2002, EN50318-2018, or a file of cases with their ranges and measured series
+    #[arg(value_name = "EN50318-2002|EN50318-2018|FILE", default_value = KNOWN[0].0)]
     model: String,
 }
 
@@ -73,12 +76,7 @@ pub fn validate(arguments: &ValidateArguments, common: &Common) -> Result<(), Co
     if found.pass {
         return Ok(());
     }
-    let failed = found
-        .cases
-        .iter()
-        .flat_map(|case| &case.figures)
-        .filter(|figure| !figure.pass)
-        .count();
+    let failed = found.cases.iter().map(validation::Run::failed).sum();
     Err(CommandError::NotValid {
         standard: found.standard.clone(),
         failed,

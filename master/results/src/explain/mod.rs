@@ -11,7 +11,7 @@ mod limits;
 use scene::Assessment;
 use serde::Serialize;
 
-pub use glossary::{Word, glossary};
+pub use glossary::{Word, glossary, word};
 pub use limits::{LimitText, limits};
 
 /// Everything that is known of a word.

@@ -5,10 +5,13 @@ use super::table::number;
 use super::{PageColumn, cells, escape, heads, saved};
 use crate::detail::QUANTILES;
 use crate::statistics::{Band, ForceStatistics, Loss, LossClass, Stretch};
-use crate::{PantographSummary, Summary, SupportUplift};
+use crate::{DropperRow, PantographSummary, Summary, SupportUplift};
 
 /// Losses of contact that a page lists; the summary has them all.
 const LISTED: usize = 200;
+
+/// Droppers that a page lists.
+const LISTED_DROPPERS: usize = 1000;
 
 /// A pantograph of one of the runs.
 struct Head<'a> {
@@ -155,6 +158,87 @@ fn quantiles(of_heads: &[Head<'_>]) -> String {
     };
     let title = "Filtered force that a share of the time lies below";
     table((title, "quantiles"), of_heads, entries, &columns)
+}
+
+/// Contact force as instruments measure it beside the true one.
+pub(super) fn measured(runs: &[NamedRun<'_>]) -> String {
+    let of_heads = all(runs);
+    type Entry = (&'static str, ForceStatistics, Option<f64>);
+    let columns: [PageColumn<Row<Entry>>; 7] = [
+        named(),
+        ("force", "", "", |row| row.entry.0.to_owned()),
+        ("mean", "[N]", "n", |row| format!("{:.2}", row.entry.1.mean)),
+        ("σ", "[N]", "n", |row| format!("{:.2}", row.entry.1.std)),
+        ("max", "[N]", "n", |row| format!("{:.2}", row.entry.1.max)),
+        ("min", "[N]", "n", |row| format!("{:.2}", row.entry.1.min)),
+        ("rms error", "[% of σ]", "n", |row| number(row.entry.2, 2)),
+    ];
+    let entries = |head: &Head<'_>| -> Vec<Entry> {
+        let both = head
+            .pantograph
+            .measured
+            .as_ref()
+            .zip(head.pantograph.contact_force.filtered);
+        both.map_or_else(Vec::new, |(measured, force)| {
+            vec![
+                ("contact force", force, None),
+                ("measured", measured.filtered, measured.error_percent_of_std),
+            ]
+        })
+    };
+    let title = (
+        "Contact force, and as load cells and accelerometers measure it",
+        "measured",
+    );
+    let mut html = table(title, &of_heads, entries, &columns);
+    if let Some(measured) = of_heads.iter().find_map(|head| head.pantograph.measured.as_ref()) {
+        let gains = measured
+            .gains
+            .iter()
+            .map(|gain| format!("{:.3} at {} Hz", gain.gain, gain.frequency_hz));
+        html.push_str(&format!(
+            "<p class=\"caption\">F = Σ F<sub>cell</sub> + Σ m a, with the instruments of [measurement]. Measured over \
+             true force of a head held still: {}.</p>\n",
+            gains.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    html
+}
+
+/// Droppers at rest, folded: lengths and forces for the workshop.
+pub(super) fn droppers(runs: &[NamedRun<'_>]) -> String {
+    const COLUMNS: [PageColumn<DropperRow>; 6] = [
+        ("tension length", "", "n", |row| row.tension_length.to_string()),
+        ("span", "", "n", |row| row.span.to_string()),
+        ("dropper", "", "n", |row| row.number.to_string()),
+        ("place", "[m]", "n", |row| format!("{:.3}", row.x_m)),
+        ("length", "[m]", "n", |row| format!("{:.4}", row.length_m)),
+        ("force at rest", "[N]", "n", |row| format!("{:.1}", row.force_n)),
+    ];
+    // Runs over one page mostly share their line.
+    let Some(run) = runs.iter().find(|run| !run.record.line.droppers.is_empty()) else {
+        return String::new();
+    };
+    let rows = &run.record.line.droppers;
+    let first = usize::from(rows.iter().all(|row| row.tension_length == 1));
+    let lines = rows
+        .iter()
+        .take(LISTED_DROPPERS)
+        .map(|row| cells(&COLUMNS[first..], row));
+    let more = match rows.len().saturating_sub(LISTED_DROPPERS) {
+        0 => String::new(),
+        more => format!("<p class=\"caption\">{more} further droppers: master check writes them all.</p>\n"),
+    };
+    let of = if runs.len() > 1 {
+        format!(" of {}", escape(&run.label))
+    } else {
+        String::new()
+    };
+    format!(
+        "<details><summary>{} droppers{of}: unstressed lengths and forces at rest</summary>\n{}{more}</details>\n",
+        rows.len(),
+        saved("droppers", &heads(&COLUMNS[first..]), lines)
+    )
 }
 
 /// Figures by both filters.

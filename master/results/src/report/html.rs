@@ -79,11 +79,17 @@ pub fn head_cells<'a>(columns: impl IntoIterator<Item = (&'a str, &'a str, bool)
 /// Remarks as a list; nothing where there are none.
 #[must_use]
 pub fn remarks(notes: &[String]) -> String {
-    if notes.is_empty() {
-        return String::new();
+    remarks_of(notes.iter().map(|note| escape(note)))
+}
+
+/// [`remarks`] that are HTML.
+#[must_use]
+pub fn remarks_of(notes: impl Iterator<Item = String>) -> String {
+    let items: String = notes.map(|note| format!("<li>{note}</li>")).collect();
+    match items.is_empty() {
+        true => items,
+        false => format!("<div class=\"notes\"><ul>{items}</ul></div>\n"),
     }
-    let items: String = notes.iter().map(|note| format!("<li>{}</li>", escape(note))).collect();
-    format!("<div class=\"notes\"><ul>{items}</ul></div>\n")
 }
 
 /// A figure as a piece of a [`Page`], in a box of `height` (CSS pixels): `figure` is the JSON object with `data`,

@@ -30,7 +30,7 @@ mod table;
 mod tests;
 mod verdict;
 
-pub use html::{Library, Page, escape, figure_html, head_cells, remarks};
+pub use html::{Library, Page, escape, figure_html, head_cells, remarks, remarks_of};
 pub use label::labels;
 pub use line::{
     LinePage, PageDropper, PageMass, PageRange, PageSpan, PageSupport, PageTension, PageWire, PageWireKind,
@@ -55,11 +55,13 @@ pub fn render(runs: &[RunBundle]) -> String {
     let figures = plots::Figures::of(&runs);
     page.section("Contact force", &figures.force);
     page.section("By span", &details::stretches(&runs));
+    page.section("As measured", &(details::measured(&runs) + &figures.measured));
     page.section("Losses of contact", &details::losses(&runs));
     page.section("Animation", &animation::section(&runs));
     page.section("Heights and uplift", &(figures.heights + &details::heights(&runs)));
     page.section("Wind on the collector head", &figures.wind);
     page.section("Frequencies", &(figures.distribution + &details::bands(&runs)));
+    page.section("Droppers", &details::droppers(&runs));
     page.section("Limits", &sections::limits(&runs));
     page.section("What was modelled", &sections::model(&runs));
     page.section("Cost", &sections::cost(&runs));

@@ -3,7 +3,8 @@
 use super::label::NamedRun;
 use super::plots::colour;
 use super::table::{bounded, cause, marks, number, quantity_name, readable, shares, verdict};
-use super::{PageColumn, cell, cells, escape, heads, lined, remarks};
+use super::{PageColumn, cell, cells, escape, heads, lined, remarks_of};
+use crate::explain::word as glossary_word;
 use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
 use crate::{Accuracy, Part, RunBundle, Summary};
@@ -58,9 +59,22 @@ fn notes(runs: &[NamedRun<'_>]) -> String {
         if runs.len() > 1 && !run.summary.notes.is_empty() {
             html.push_str(&format!("<h3>{}</h3>\n", escape(&run.label)));
         }
-        html.push_str(&remarks(&run.summary.notes));
+        html.push_str(&remarks_of(run.summary.notes.iter().map(|note| explained(note))));
     }
     html
+}
+
+/// A note as HTML, with what is known of its subject to unfold.
+fn explained(note: &str) -> String {
+    let text = escape(note);
+    let subject = note.split(": ").next().unwrap_or(note);
+    glossary_word(subject).map_or(text.clone(), |word| {
+        format!(
+            "<details class=\"note\"><summary>{text}</summary>{} <span class=\"soft\">See {}.</span></details>",
+            escape(word.meaning),
+            escape(word.page)
+        )
+    })
 }
 
 /// Coloured square in front of a run's name, where several runs are shown.
@@ -276,7 +290,8 @@ pub(super) fn limits(runs: &[NamedRun<'_>]) -> String {
     }
     let all: Vec<Limit> = runs.iter().flat_map(|run| run.summary.limits.clone()).collect();
     html.push_str(&format!(
-        "</tbody></table></div>\n<p class=\"caption\">{}.</p>\n",
+        "</tbody></table></div>\n<p class=\"caption\">{}. Editions are those whose figures could be read; those in force \
+         stand in docs/theory/statistics.md. Figures of your copy are entered under [assessment].</p>\n",
         marks(&all)
     ));
     html

@@ -195,6 +195,9 @@ fn figures(summary: &Summary) -> String {
         let filtered = format!("{} Hz", summary.evaluation.low_pass_hz);
         line(&filtered, force.filtered, None);
         line("raw", force.raw, force.loss_of_contact_percent);
+        if let Some(measured) = &pantograph.measured {
+            line("as measured", Some(measured.filtered), None);
+        }
         // Numbers of the strips are those of their head.
         for (number, strip) in (1..).zip(&pantograph.strips) {
             let filtered = format!("strip {number}, {filtered}");

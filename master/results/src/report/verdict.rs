@@ -152,7 +152,7 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
                 escape(unit)
             ));
         }
-        if let Some(source) = &limit.source {
+        if let (true, Some(source)) = (pass, &limit.source) {
             why.push_str(&format!(
                 "<br><span class=\"soft\">limit from {}</span>",
                 escape(source)

@@ -50,6 +50,16 @@ impl ForceStatistics {
     }
 }
 
+/// Root mean square of the difference of two series; `None` for series that are empty or differ in length.
+#[must_use]
+pub fn rms_difference(first: &[f64], other: &[f64]) -> Option<f64> {
+    if first.len() != other.len() || first.is_empty() {
+        return None;
+    }
+    let sum: f64 = first.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
+    Some((sum / first.len() as f64).sqrt())
+}
+
 /// Share of the samples with zero `force` (N), in percent; `None` without samples.
 ///
 /// The raw force is meant: the filtered one passes zero smoothly and hides short separations.

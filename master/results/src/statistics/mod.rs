@@ -22,7 +22,7 @@ pub use bands::{Band, band_pass, bands};
 pub use filter::{Filter, FilterError, LowPass};
 pub use force::{
     ForceStatistics, Histogram, Quantile, histogram, largest_slope, long_loss_of_contact_percent,
-    loss_of_contact_percent, peak_to_peak, quantiles, sample_range,
+    loss_of_contact_percent, peak_to_peak, quantiles, rms_difference, sample_range,
 };
 pub use losses::{Loss, LossClass, loss_classes, losses};
 pub use spectrum::{Spectrum, power_spectral_density};

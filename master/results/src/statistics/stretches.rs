@@ -34,6 +34,10 @@ pub fn stretches(ends: &[(f64, f64)], x: &[f64], [filtered, raw]: [&[f64]; 2], r
         let (Some(first), Some(end)) = (samples.first(), samples.last()) else {
             continue;
         };
+        // The sample on the edge of the evaluated range is no figure of the stretch before.
+        if first == end && range.len() > 1 {
+            continue;
+        }
         let of = |force: &[f64]| samples.iter().map(|k| force[*k]).collect::<Vec<_>>();
         found.push(Stretch {
             number,

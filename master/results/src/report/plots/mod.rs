@@ -268,6 +268,8 @@ fn mark(x: f64, text: &str) -> Annotation {
 pub(super) struct Figures {
     /// Force along the track.
     pub force: String,
+    /// Measured force beside the true one.
+    pub measured: String,
     /// Uplift at the supports, height of the contact along the track.
     pub heights: String,
     /// Wind on the heads.
@@ -292,7 +294,8 @@ impl Figures {
             )
         };
         Self {
-            force: series::force(&curves),
+            force: series::force(&curves) + &series::difference(&curves),
+            measured: series::measured(&curves),
             heights: series::heights(&curves) + &series::uplift(runs),
             wind: series::wind(&curves),
             distribution: pair,

@@ -1,12 +1,12 @@
 //! Contact force against position, uplift against time.
 
 use plotly::Scatter;
-use plotly::common::{DashType, Line, Mode, Visible};
+use plotly::common::{DashType, HoverInfo, Line, Mode, Visible};
 use plotly::layout::RangeMode;
 
 use super::{
-    Curve, MARK, PALE, axis, band, colour, curve, figure, finished, layout, mark, name, rounded, stride, thinned,
-    vertical,
+    Curve, MARK, PALE, Trace, axis, band, colour, curve, figure, finished, layout, mark, name, rounded, stride,
+    thinned, vertical,
 };
 use crate::LineGeometry;
 use crate::report::escape;
@@ -89,18 +89,160 @@ pub(super) fn force(curves: &[Curve]) -> String {
         }
     }
     raw.extend(filtered);
+    let elevation = elevation(curves, (from, to));
+    let drawn = !elevation.is_empty();
+    raw.extend(elevation);
     // Grid lines would hide the supports.
     let x_axis = axis("position of the contact along the track [m]")
         .zero_line(false)
         .show_grid(false);
     let y_axis = axis("contact force [N]").range_mode(RangeMode::ToZero);
-    let layout = layout(x_axis, y_axis).shapes(shapes).annotations(notes);
+    let mut layout = layout(x_axis, if drawn { y_axis.domain(&[0.0, 0.68]) } else { y_axis });
+    if drawn {
+        let heights = axis("height [m]").zero_line(false).domain(&[0.74, 1.0]);
+        layout = layout.y_axis2(heights);
+    }
     figure(
         raw,
-        layout,
-        ("plot-force", 420),
-        "Dotted lines: supports with their numbers. Ticks along the axis: droppers. Shaded: evaluation range. In all \
-         plots: drag to zoom, double-click to go back, click in the legend to switch a curve.",
+        layout.shapes(shapes).annotations(notes),
+        ("plot-force", if drawn { 540 } else { 420 }),
+        "Above: the line at the start of the run, heights enlarged. Dotted lines: supports with their numbers. Ticks \
+         along the axis: droppers. Shaded: evaluation range. In all plots: drag to zoom, double-click to go back, \
+         click in the legend to switch a curve.",
+    )
+}
+
+/// Wires and droppers at the start of the first run that has pictures, from `from` to `to` (m), over the upper axis;
+/// nothing without pictures.
+fn elevation(curves: &[Curve], (from, to): (f64, f64)) -> Vec<Trace> {
+    let frames = curves.iter().map(|c| &c.run.record.animation.frames);
+    let Some(frame) = frames.filter_map(|frames| frames.first()).next() else {
+        return Vec::new();
+    };
+    let inside = |x: f64| (from..=to).contains(&x);
+    let line = |points: &[(f64, f64)], name: &str, colour: &'static str, width: f64| {
+        let shown: Vec<(f64, f64)> = points.iter().copied().filter(|(x, _)| inside(*x)).collect();
+        let (x, z): (Vec<f64>, Vec<f64>) = shown.into_iter().unzip();
+        curve(rounded(&x, 1e2), rounded(&z, 1e4), name, colour, width)
+            .y_axis("y2")
+            .show_legend(false)
+            .hover_info(HoverInfo::Skip)
+    };
+    const WIRE: &str = "#5b6675";
+    let mut traces = vec![
+        line(&frame.messenger_wire, "messenger wire", WIRE, 1.0),
+        line(&frame.contact_wire, "contact wire", WIRE, 1.8),
+    ];
+    traces.extend((frame.further_wires.iter()).map(|(contact, points)| {
+        let (name, width) = if *contact { ("contact wire", 1.8) } else { ("wire", 1.0) };
+        line(points, name, WIRE, width)
+    }));
+    // Gaps between droppers are values that are none.
+    let ends = (frame.droppers.iter())
+        .filter(|dropper| inside(dropper.top.0))
+        .flat_map(|dropper| [dropper.top, dropper.bottom, (dropper.bottom.0, f64::NAN)]);
+    let (x, z): (Vec<f64>, Vec<f64>) = ends.unzip();
+    let droppers = curve(rounded(&x, 1e2), rounded(&z, 1e4), "droppers", WIRE, 0.7);
+    traces.push(droppers.y_axis("y2").show_legend(false).hover_info(HoverInfo::Skip));
+    traces
+}
+
+/// Filtered force of each further run less that of the first one at the same place, over the evaluation range of both;
+/// nothing for one run.
+pub(super) fn difference(curves: &[Curve]) -> String {
+    let filtered = |c: &Curve| {
+        let evaluation = &c.run.summary.evaluation;
+        let range = evaluation.samples(&c.run.record.time, c.pantograph);
+        let force = evaluation.filtered(&c.strip.force).ok()?;
+        let (x, force) = (c.strip.contact_x.get(range.clone())?, force.get(range)?);
+        Some((x.to_vec(), force.to_vec()))
+    };
+    let mut traces = Vec::new();
+    for (i, c) in curves.iter().enumerate() {
+        let first = curves.iter().find(|other| other.pantograph == c.pantograph);
+        let Some(first) = first.filter(|first| !std::ptr::eq(first.run, c.run)) else {
+            continue;
+        };
+        let (Some((places, reference)), Some((x, force))) = (filtered(first), filtered(c)) else {
+            continue;
+        };
+        let points = x.iter().zip(&force).filter_map(|(x, force)| {
+            let reference = at_place(&places, &reference, *x)?;
+            Some((*x, force - reference))
+        });
+        let (x, difference): (Vec<f64>, Vec<f64>) = points.unzip();
+        if x.is_empty() {
+            continue;
+        }
+        let stride = stride(&c.run.summary.evaluation);
+        let label = format!("{} less {}", c.label, first.label);
+        let (x, difference) = (thinned(&x, stride), thinned(&difference, stride));
+        traces.push(curve(
+            rounded(&x, 1e3),
+            rounded(&difference, 1e3),
+            &label,
+            colour(i),
+            1.4,
+        ));
+    }
+    let x_axis = axis("position of the contact along the track [m]").zero_line(false);
+    figure(
+        traces,
+        layout(x_axis, axis("difference of the filtered force [N]")),
+        ("plot-difference", 300),
+        "Filtered force less that of the first run at the same place, for the same pantograph.",
+    )
+}
+
+/// Value at place `x` between samples whose places rise; nothing beyond them.
+fn at_place(places: &[f64], values: &[f64], x: f64) -> Option<f64> {
+    let next = places.partition_point(|place| *place < x);
+    if next == 0 {
+        return (places.first() == Some(&x)).then(|| values[0]);
+    }
+    let (to, from) = (*places.get(next)?, places[next - 1]);
+    let share = if to > from { (x - from) / (to - from) } else { 1.0 };
+    Some(values[next - 1] + share * (values[next] - values[next - 1]))
+}
+
+/// Filtered force as instruments measure it beside the true one, over the evaluation range; nothing without
+/// instruments.
+pub(super) fn measured(curves: &[Curve]) -> String {
+    let mut traces = Vec::new();
+    for (i, c) in curves.iter().enumerate() {
+        let (evaluation, time) = (&c.run.summary.evaluation, &c.run.record.time);
+        let Some(instrument) = &c.run.summary.instrument else {
+            continue;
+        };
+        let Some((times, force)) = instrument.filtered(c.strip, evaluation, time) else {
+            continue;
+        };
+        let Ok(truth) = evaluation.filtered(&c.strip.force) else {
+            continue;
+        };
+        let sampled = thinned(&c.strip.contact_x, instrument.stride);
+        let mut add = |x: &[f64], force: &[f64], range: std::ops::Range<usize>, what: &str, colour| {
+            if let (Some(x), Some(force)) = (x.get(range.clone()), force.get(range)) {
+                let (x, force) = (rounded(x, 1e3), rounded(force, 1e2));
+                traces.push(curve(x, force, &name(what, &c.label), colour, 1.6));
+            }
+        };
+        let range = evaluation.samples(time, c.pantograph);
+        add(&c.strip.contact_x, &truth, range, "contact force", PALE[i % PALE.len()]);
+        add(
+            &sampled,
+            &force,
+            evaluation.samples(&times, c.pantograph),
+            "measured",
+            colour(i),
+        );
+    }
+    let x_axis = axis("position of the contact along the track [m]").zero_line(false);
+    figure(
+        traces,
+        layout(x_axis, axis("filtered force [N]")),
+        ("plot-measured", 320),
+        "Both filtered alike, over the evaluation range.",
     )
 }
 
