@@ -4,7 +4,8 @@ mod browser;
 mod validate;
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 use browser::{look, printed};
 
@@ -64,9 +65,12 @@ fn reports() -> [String; 2] {
     let folder = tempfile::tempdir().unwrap();
     let [stitched, light] = ["stitched", "light"].map(|name| folder.path().join(name));
     let text = std::fs::read_to_string(scene("ac-stitched")).unwrap();
+    let (text, ranges) = text.split_once("[ranges]").unwrap();
     let pantograph = &text[text.find("[[pantograph]]").unwrap()..];
     let path = folder.path().join("two.toml");
-    std::fs::write(&path, format!("{text}\n{pantograph}offset_x = -60.0\n")).unwrap();
+    let instruments = "[measurement]\nstrip_mass = 4.0\nbending_frequency = 60.0\n";
+    let two = format!("{text}\n{pantograph}offset_x = -60.0\n{instruments}\n[ranges]{ranges}");
+    std::fs::write(&path, two).unwrap();
     let path = path.display().to_string();
     let run = ["run", &path, "--mode", "monolithic", "--no-report"];
     let mut html = Vec::new();
@@ -84,8 +88,12 @@ fn reports() -> [String; 2] {
 #[test]
 fn reports_of_a_run_and_of_two_are_sound() {
     let [one, two] = reports();
-    sound("report", &one, 5);
-    sound("two runs", &two, 5);
+    sound("report", &one, 6);
+    sound("two runs", &two, 7);
+    for part in ["As measured", "unstressed lengths and forces at rest"] {
+        assert!(one.contains(part) && two.contains(part), "{part}");
+    }
+    assert!(two.contains("plot-difference") && !one.contains("plot-difference"));
     assert!(one.len() < 2_500_000, "{} bytes", one.len());
 }
 
@@ -140,6 +148,58 @@ fn pages_of_sensitivity_and_validation_are_sound() {
     let model = validate::model(to, (0.0, 1000.0));
     let html = page(&["validate", &model], &[], &to.join("validation"), "validation.html");
     sound("validation", &html, 0);
+}
+
+/// Begins an experiment that takes minutes, ends it when so many runs are kept, and reads its page.
+fn ended(arguments: &[&str], keys: &[&str], folder: &Path, (kept, least): (&str, usize), name: &str) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_master"));
+    command.args(arguments).arg("-q").arg("--out").arg(folder);
+    for key in keys {
+        command.args(["--set", key]);
+    }
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    // Many times what these runs take on a slow machine.
+    let last = Instant::now() + Duration::from_secs(300);
+    let runs = || std::fs::read_dir(folder.join(kept)).map_or(0, Iterator::count);
+    while runs() < least && child.try_wait().unwrap().is_none() {
+        assert!(Instant::now() < last, "{arguments:?}: {} files", runs());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.unwrap().success(), "{arguments:?} ended by itself");
+    child.wait().unwrap();
+    std::fs::read_to_string(folder.join(name)).unwrap()
+}
+
+#[test]
+fn pages_of_a_study_and_of_a_reproduction_that_were_ended_are_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    let to = folder.path();
+    let line = scene("en50318-250");
+    let study = [
+        "study",
+        &line,
+        "--quick",
+        "--repeats",
+        "1",
+        "--elements",
+        "1",
+        "--reference-tolerance",
+        "90",
+    ];
+    let keys = [&SHORT[..1], &["run.duration=1.6", "run.evaluate={time=[0.5,1.4]}"]].concat();
+    // A run is kept in two or three files.
+    let html = ended(&study, &keys, &to.join("study"), ("study", 12), "study.html");
+    sound("study", &html, 1);
+    let thesis = ["reproduce", "thesis", "--quick"];
+    let html = ended(
+        &thesis,
+        &[],
+        &to.join("reproduce"),
+        ("reproduce", 6),
+        "reproduction.html",
+    );
+    sound("reproduction", &html, 1);
 }
 
 #[test]

@@ -232,6 +232,15 @@ impl OutputDirectory {
         })
     }
 
+    /// Writes `value` as indented JSON into the file `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`ResultsError`] with the path and the reason.
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), ResultsError> {
+        self.replace(name, |out, path| write_json(out, path, value))
+    }
+
     /// Removes the file of an earlier run, where there is one, because it would not belong to the new results.
     pub fn remove(&self, name: &str) -> Result<(), ResultsError> {
         exchange::remove(&self.path.join(name))
@@ -248,10 +257,17 @@ impl OutputDirectory {
 }
 
 fn write_summary(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
-    replace(folder, SUMMARY, |out, path| {
-        serde_json::to_writer_pretty(&mut *out, summary).map_err(json(path))?;
-        out.write_all(b"\n").map_err(io(path, "write"))
-    })
+    replace(folder, SUMMARY, |out, path| write_json(out, path, summary))
+}
+
+/// Writes `value` as indented JSON to `out`; `path` is named in errors.
+///
+/// # Errors
+///
+/// [`ResultsError`] with the path and the reason.
+pub fn write_json(mut out: &mut dyn Write, path: &Path, value: &impl Serialize) -> Result<(), ResultsError> {
+    serde_json::to_writer_pretty(&mut out, value).map_err(json(path))?;
+    out.write_all(b"\n").map_err(io(path, "write"))
 }
 
 /// Writes the file `name` of `folder` under a new name that no other process knows, and moves it to its place when it

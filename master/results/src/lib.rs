@@ -30,8 +30,8 @@ mod undecided;
 
 pub use animation::Animation;
 pub use detail::{ContactHeight, Detail, OtherFilter};
-pub use directory::io;
 pub use directory::{OutputDirectory, RunBundle, SUMMARY};
+pub use directory::{io, write_json};
 pub use error::ResultsError;
 pub use instrument::{Bending, Gain, Instrument, Measured};
 pub use record::{DropperRow, LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, WindRecord};

@@ -309,6 +309,28 @@ impl Summary {
     /// evaluation range, or a sample is not a number. Limits are decided for complete runs only.
     #[must_use]
     pub fn new(info: &RunInfo, record: &Record) -> Self {
+        let detail = |index: usize, filtered: &[f64]| {
+            let range = info.evaluation.samples(&record.time, index);
+            let strip = &record.pantographs[index];
+            Detail::of(
+                (strip, filtered),
+                &range,
+                &info.evaluation,
+                (&record.time, &record.line),
+            )
+        };
+        Self::with(info, record, detail)
+    }
+
+    /// As [`Summary::new`] without [`Detail`], which takes several filters: for one of many runs, of which nobody opens
+    /// a page.
+    #[must_use]
+    pub fn without_detail(info: &RunInfo, record: &Record) -> Self {
+        Self::with(info, record, |_, _| Detail::default())
+    }
+
+    /// The summary with the detail of each pantograph (from 0) by its filtered force.
+    fn with(info: &RunInfo, record: &Record, detail: impl Fn(usize, &[f64]) -> Detail) -> Self {
         let mut notes = info.notes.clone();
         let mut figures = Vec::new();
         let mut pantographs = Vec::new();
@@ -348,7 +370,7 @@ impl Summary {
                     .collect(),
                 measured: (info.instrument.as_ref())
                     .and_then(|instrument| instrument.figures((i, strip), &force, &info.evaluation, &record.time)),
-                detail: Detail::of((strip, &force), &range, &info.evaluation, (&record.time, &record.line)),
+                detail: detail(i, &force),
             };
             let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
             figures.push(Figures {

@@ -102,7 +102,7 @@ impl Record {
     /// A case that has begun.
     #[must_use]
     pub fn of(case: u64, info: &RunInfo, record: &Series) -> Self {
-        let summary = Summary::new(info, record);
+        let summary = Summary::without_detail(info, record);
         let forces = summary
             .pantographs
             .iter()

@@ -174,7 +174,11 @@ fn run(case: &Case, around: &Surroundings<'_>) -> Result<Run, ValidationError> {
             let (case, reason) = (case.name.clone(), failure.to_string());
             return Err(ValidationError::Ended { case, reason });
         }
-        made.push((mode, Summary::new(&finished.info, &finished.record), finished.record));
+        made.push((
+            mode,
+            Summary::without_detail(&finished.info, &finished.record),
+            finished.record,
+        ));
     }
     let (_, summary, series) = &made[0];
     let measured = case.measured.as_ref().map(|files| {

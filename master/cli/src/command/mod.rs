@@ -44,7 +44,7 @@ use crate::cli::Common;
 use cosim::package::PackageError;
 use experiments::study::Sweep;
 use fmi2::isolation::IsolationError;
-use results::{OutputDirectory, ResultsError};
+use results::ResultsError;
 use simulation::SetupError;
 use simulation::paths::scene_name;
 use suppliers::ssp::{self, SspError};
@@ -420,18 +420,6 @@ fn print_as_it_is(text: &str) -> Result<(), CommandError> {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(CommandError::Output(error)),
         _ => Ok(()),
     }
-}
-
-/// Writes `value` as a JSON file into the folder of results.
-fn write_json(output: &OutputDirectory, name: &str, value: &impl serde::Serialize) -> Result<(), CommandError> {
-    let written = output.replace(name, |out, path| {
-        serde_json::to_writer_pretty(&mut *out, value).map_err(|source| ResultsError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        out.write_all(b"\n").map_err(results::io(path, "write"))
-    });
-    written.map_err(CommandError::Results)
 }
 
 /// Prints `value` as JSON on stdout.

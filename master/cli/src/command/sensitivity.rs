@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::run::ModeArgument;
 use super::sweep::text_of;
-use super::{CommandError, found, interrupted, print, print_json, write_json};
+use super::{CommandError, found, interrupted, print, print_json};
 use crate::cli::Common;
 use ::sweep::sensitivity::{self, CSV, JSON, PAGE, Parameter, Sensitivity};
 use ::sweep::{Base, Options, Sweep, SweepError};
@@ -81,7 +81,7 @@ pub fn sensitivity(arguments: &SensitivityArguments, common: &Common) -> Result<
     }
     let records = sweep.records(&directory)?;
     let found = Sensitivity::of((&name, mode.name(), identity), &parameters, &records);
-    write_json(&output, JSON, &found)?;
+    output.write_json(JSON, &found).map_err(CommandError::Results)?;
     write(&found, &output).map_err(CommandError::Results)?;
     if common.json {
         print_json(&found)?;

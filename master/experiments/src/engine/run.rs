@@ -210,7 +210,8 @@ impl Attempt {
         self.winds = record.pantographs.iter().map(|strip| strip.wind.clone()).collect();
         self.energy_share = info.coupling.energy_share;
         (self.setup, self.simulated) = (info.cost.setup_s, info.cost.simulated_s);
-        self.row.take(info, &Summary::new(info, record), info.cost.wall_s, 1);
+        self.row
+            .take(info, &Summary::without_detail(info, record), info.cost.wall_s, 1);
         self.remarks.push(info.incomplete_reason.clone());
         if mode != Mode::Monolithic {
             // That the table names it goes without saying; what follows may not.
