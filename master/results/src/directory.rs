@@ -204,7 +204,7 @@ impl OutputDirectory {
                 serde_json::to_writer(out, &file).map_err(json(path))
             })?;
         }
-        write_summary(folder, &bundle.summary)
+        write_json(folder, SUMMARY, &bundle.summary)
     }
 
     /// Writes `summary`.
@@ -213,7 +213,7 @@ impl OutputDirectory {
     ///
     /// [`ResultsError::Io`] with the path and the reason.
     pub fn write_summary(&self, summary: &Summary) -> Result<(), ResultsError> {
-        write_summary(&self.path, summary)
+        self.write_json(SUMMARY, summary)
     }
 
     /// Writes the `page` of the report.
@@ -232,6 +232,15 @@ impl OutputDirectory {
         })
     }
 
+    /// Writes `value` as a JSON file.
+    ///
+    /// # Errors
+    ///
+    /// [`ResultsError::Io`] and [`ResultsError::Json`] with the path and the reason.
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), ResultsError> {
+        write_json(&self.path, name, value)
+    }
+
     /// Removes the file of an earlier run, where there is one, because it would not belong to the new results.
     pub fn remove(&self, name: &str) -> Result<(), ResultsError> {
         exchange::remove(&self.path.join(name))
@@ -247,9 +256,9 @@ impl OutputDirectory {
     }
 }
 
-fn write_summary(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
-    replace(folder, SUMMARY, |out, path| {
-        serde_json::to_writer_pretty(&mut *out, summary).map_err(json(path))?;
+fn write_json(folder: &Path, name: &str, value: &impl Serialize) -> Result<(), ResultsError> {
+    replace(folder, name, |out, path| {
+        serde_json::to_writer_pretty(&mut *out, value).map_err(json(path))?;
         out.write_all(b"\n").map_err(io(path, "write"))
     })
 }

@@ -422,18 +422,6 @@ fn print_as_it_is(text: &str) -> Result<(), CommandError> {
     }
 }
 
-/// Writes `value` as a JSON file into the folder of results.
-fn write_json(output: &OutputDirectory, name: &str, value: &impl serde::Serialize) -> Result<(), CommandError> {
-    let written = output.replace(name, |out, path| {
-        serde_json::to_writer_pretty(&mut *out, value).map_err(|source| ResultsError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        out.write_all(b"\n").map_err(results::io(path, "write"))
-    });
-    written.map_err(CommandError::Results)
-}
-
 /// Prints `value` as JSON on stdout.
 fn print_json(value: &impl serde::Serialize) -> Result<(), CommandError> {
     // JSON has escapes of its own.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CommandError, found, interrupted, nothing_to_set, print, print_json, scene_text, write_json};
+use super::{CommandError, found, interrupted, nothing_to_set, print, print_json, scene_text};
 use crate::cli::Common;
 use cosim::package;
 use results::OutputDirectory;
@@ -59,7 +59,7 @@ pub fn validate(arguments: &ValidateArguments, common: &Common) -> Result<(), Co
     };
     let found = record(&model, &text, &around)?;
     progress.finish();
-    write_json(&output, JSON, &found)?;
+    output.write_json(JSON, &found).map_err(CommandError::Results)?;
     output.write_page(PAGE, &found.page()).map_err(CommandError::Results)?;
     if common.json {
         print_json(&found)?;
