@@ -10,6 +10,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -238,14 +239,14 @@ class Samples:
             raise SweepError("ranges: must have at least one parameter")
         for key, (low, high) in ranges.items():
             if not (np.isfinite([low, high]).all() and low < high):
-                raise SweepError(f"{key}: must have a range whose least value is below its largest, not {low} to {high}")
+                raise SweepError(f"{key}: must have a range from a least to a larger value, not {low} to {high}")
         self.n = _SAMPLES[method] if n is None else operator.index(n)
         self.seed = _SEED if seed is None else operator.index(seed)
         if method == "morris" and self.n < 2:
             raise SweepError(f"n = {self.n}: must be at least 2 trajectories, so that effects have a deviation")
         if method == "sobol" and (self.n < 2 or self.n & (self.n - 1)):
             near = 1 << max(1, self.n.bit_length()) if self.n > 0 else _SAMPLES[method]
-            raise SweepError(f"n = {self.n}: must be a power of two from 2 on, such as {near}: the sequence is even then")
+            raise SweepError(f"n = {self.n}: must be a power of two from 2 on, such as {near}, for an even sequence")
         if self.seed < 0:
             raise SweepError(f"seed = {self.seed}: must be a whole number from 0")
         if second_order and method != "sobol":
@@ -305,7 +306,8 @@ class Samples:
         pairs: list[dict[str, Any]] = []
         for pantograph, name, unit, values in figures:
             if values.shape != (len(self.rows),):
-                raise SweepError(f"{name}: has values of shape {values.shape}, must have one for each of {len(self.rows)} cases")
+                cases = len(self.rows)
+                raise SweepError(f"{name}: has values of shape {values.shape}, must have one for each of {cases} cases")
             place = {"pantograph": pantograph, "figure": name, "unit": unit}
             whole = self._whole(name, values, reasons)
             known = values[whole]
@@ -334,18 +336,18 @@ class Samples:
 
     def _whole(self, name: str, values: NDArray[np.float64], reasons: Sequence[str]) -> NDArray[np.bool_]:
         """Cases that indices are computed of."""
-        known = np.isfinite(values)
+        known: NDArray[np.bool_] = np.isfinite(values)
         if known.all():
             return known
         case = int(np.argmin(known))
         reason = f"case {case + 1}: {reasons[case] or f'has no finite {name}'}"
         if self.method == "sobol":
             missing = f"{int((~known).sum())} of {len(known)} cases are without {name}"
-            raise RunError(f"{reason}; {missing}, and sobol needs all: must be ranges in which every run reaches its end")
+            raise RunError(f"{reason}; {missing}, and sobol needs all: must be ranges in which every run is stable")
         size = len(self.keys) + 1
         trajectories = known.reshape(-1, size).all(axis=1)
         if trajectories.sum() < 2:
-            left = f"{int(trajectories.sum())} of {len(trajectories)} trajectories have {name} in all their cases"
+            left = f"{int(trajectories.sum())} of {trajectories.size} trajectories have {name} in all their cases"
             raise RunError(f"{reason}; {left}, and morris needs two: must be other ranges, or a larger n")
         return np.repeat(trajectories, size)
 
@@ -360,7 +362,7 @@ class Samples:
 
     def _sobol(self, values: NDArray[np.float64]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
         names = ("S1", "S1_conf", "ST", "ST_conf")
-        pairs = [(i, j) for i in range(len(self.keys)) for j in range(i + 1, len(self.keys))] if self.second_order else []
+        pairs = list(combinations(range(len(self.keys)), 2)) if self.second_order else []
         if np.ptp(values) == 0.0:
             # No variance has no shares.
             none: dict[str, Any] = {"S2": None, "S2_conf": None}
@@ -395,7 +397,7 @@ def _salib(part: str, method: str) -> Any:
     try:
         return import_module(f"SALib.{part}.{method}")
     except ImportError as error:
-        text = f'method = "{method}": needs SALib, which is not installed: must be there by the extra pantoline[sensitivity]'
+        text = f'method = "{method}": needs SALib, which the extra pantoline[sensitivity] installs'
         raise ImportError(text) from error
 
 
@@ -452,9 +454,8 @@ def sensitivity(
             without figures, for Sobol; fewer than two trajectories without such a run, for Morris.
         ImportError: SALib is not installed, for Morris and Sobol.
     """
-    asked = [figures] if isinstance(figures, str) else list(figures or ())
-    wanted = asked or figure_names()
-    for name in asked:
+    wanted = [figures] if isinstance(figures, str) else list(figures or figure_names())
+    for name in wanted:
         if name not in figure_names():
             raise SweepError(f'figures: "{name}": must be one of {", ".join(figure_names())}')
     texts = [f"{key}={typed(low)}:{typed(high)}" for key, (low, high) in (ranges or {}).items()]
@@ -470,9 +471,7 @@ def sensitivity(
                 if wish is not None:
                     raise SweepError(f"{name}: must be left out with one_at_a_time, which has no samples")
             cases, _ = carried_out(scene, {**_NO_WISHES, "ranges": texts, "keys": chosen}, folder, workers)
-            result = _one_at_a_time(json.loads(cases.effects(folder) or "{}"), parameters, wanted, path)
-            _require(asked, {row["figure"] for row in result.figures})
-            return result
+            return _one_at_a_time(json.loads(cases.effects(folder) or "{}"), parameters, wanted, path)
         bounds = {row["key"]: (row["low"], row["high"]) for row in parameters}
         samples = Samples(bounds, method, n=n, seed=seed, second_order=second_order)
         columns = {key: samples.rows[:, index].tolist() for index, key in enumerate(samples.keys)}
@@ -485,21 +484,13 @@ def sensitivity(
         ]
         reasons = found["reasons"]
         ended = np.array([not reason for reason in reasons])
-        # A figure that no run has which has ended, such as the uplift where no support is evaluated, has no indices.
+        # A figure that no run has that reached its end has no indices.
         there = [row for row in values if not ended.any() or np.isfinite(row[3][ended]).any()]
-        _require(asked, {row[1] for row in there})
         result = samples._analysed(there, parameters, reasons, path)
         if path is not None:
             facts = {"scene": scene.name, "mode": mode, "n": samples.n, "seed": samples.seed}
             result._write(path, facts)
         return result
-
-
-def _require(asked: Iterable[str], there: set[str]) -> None:
-    """Refuses figures that were asked for and are not there."""
-    for name in asked:
-        if name not in there:
-            raise RunError(f"{name}: no run has this figure")
 
 
 #: Wishes of a sweep whose cases follow from parameters.

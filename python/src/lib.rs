@@ -49,11 +49,11 @@ mod _pantoline {
     #[pymodule_export]
     use super::scene::SceneSource;
     #[pymodule_export]
-    use super::{figure_names, set_program};
-    #[pymodule_export]
     use super::simulation::{Checkpoint, Stepper};
     #[pymodule_export]
     use super::sweep::CaseSweep;
+    #[pymodule_export]
+    use super::{figure_names, set_program};
 
     /// Version of the package.
     #[pymodule_export]

@@ -44,7 +44,7 @@ use crate::cli::Common;
 use cosim::package::PackageError;
 use experiments::study::Sweep;
 use fmi2::isolation::IsolationError;
-use results::{OutputDirectory, ResultsError};
+use results::ResultsError;
 use simulation::SetupError;
 use simulation::paths::scene_name;
 use suppliers::ssp::{self, SspError};
