@@ -90,6 +90,8 @@ impl Bound {
 #[derive(Clone, Debug)]
 pub struct Plan {
     varied: Vec<Varied>,
+    /// `true` for each varied key whose values are all numbers: asked for every row of a table that may be long.
+    are_numbers: Vec<bool>,
     /// Names and expressions, in an order in which each needs only those before it.
     derived: Vec<(String, Bound)>,
     constraints: Vec<Bound>,
@@ -128,6 +130,7 @@ impl Plan {
         check_names(&varied, &derived)?;
         let points = points(&varied, design)?;
         let mut plan = Self {
+            are_numbers: varied.iter().map(|varied| varied.values.are_numbers()).collect(),
             varied,
             derived: Vec::new(),
             constraints: Vec::new(),
@@ -177,7 +180,7 @@ impl Plan {
     fn bound(&self, expression: Expression, typed: &Typed, numbers: &Numbers) -> Result<Bound, SweepError> {
         let input = |name: &String| {
             if let Some(index) = self.varied.iter().position(|varied| varied.name == *name) {
-                if !self.varied[index].values.are_numbers() {
+                if !self.are_numbers[index] {
                     let what = format!(
                         "\"{}\": {name} has values that are no numbers, which no expression takes",
                         typed.text
@@ -229,7 +232,8 @@ impl Plan {
         let varied = self
             .varied
             .iter()
-            .map(|varied| (&*varied.name, varied.values.are_numbers()));
+            .zip(&self.are_numbers)
+            .map(|(varied, are_numbers)| (&*varied.name, *are_numbers));
         varied.chain(self.derived.iter().map(|(name, _)| (&**name, true)))
     }
 

@@ -269,7 +269,11 @@ impl Values {
     /// `true` where all values are numbers.
     #[must_use]
     pub fn are_numbers(&self) -> bool {
-        self.tried().iter().all(|value| value.number().is_some())
+        let numbers = |values: &[Value]| values.iter().all(|value| value.number().is_some());
+        match self {
+            Self::Listed(values) => numbers(values),
+            Self::Distributed(distribution) => numbers(&distribution.tried()),
+        }
     }
 
     /// The value at a share `u` of all values.
