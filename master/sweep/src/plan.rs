@@ -328,8 +328,9 @@ impl Plan {
         }
     }
 
-    /// Tries every listed value and the bounds of every distribution, of a table those of its columns, one key at a time beside the first case: each is
-    /// refused as `--set` refuses it. Contradictions across keys belong to the rows of their cases.
+    /// Tries every listed value and the bounds of every distribution and of every column of a table, one key at a time
+    /// beside the first case: each is refused as `--set` refuses it. Contradictions across keys belong to the rows of
+    /// their cases.
     ///
     /// # Errors
     /// The first refusal.
