@@ -46,7 +46,8 @@ impl CaseSweep {
     /// varied one at a time, with those of the scene, or those of `keys` alone.
     #[new]
     #[pyo3(signature = (
-        scene, *, vary, derive, where_, sample, count, seed, series, mode, jobs, files, rows=None, ranges=None, keys=None
+        scene, *, vary, derive, where_, sample, count, seed, series, mode, jobs, files,
+        rows=None, ranges=None, keys=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "each is an option of the program")]
     fn new(
