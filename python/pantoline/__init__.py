@@ -1,7 +1,8 @@
 """Dynamics of pantograph and overhead line.
 
 A :class:`Scene` is one line, its pantographs and one run. :meth:`Scene.run` runs it to a :class:`Result`,
-:class:`Simulation` advances it step by step, :func:`sweep` makes many cases of it into one table.
+:class:`Simulation` advances it step by step, :func:`sweep` makes many cases of it into one table,
+:func:`sensitivity` says which numbers matter.
 
 >>> import pantoline
 >>> scene = pantoline.Scene.load("scenes/en50318-300.toml")
@@ -18,6 +19,7 @@ from ._pantoline import Checkpoint, RunError, SceneError, SweepError
 from ._pantoline import set_program as _set_program
 from .result import Result
 from .scene import Scene
+from .sensitivities import Samples, Sensitivity, sensitivity
 from .simulation import Signal, Simulation
 from .sweeps import SweepResult, sweep
 from .table import Table
@@ -29,8 +31,10 @@ __all__ = [
     "Checkpoint",
     "Result",
     "RunError",
+    "Samples",
     "Scene",
     "SceneError",
+    "Sensitivity",
     "Signal",
     "Simulation",
     "SweepError",
@@ -39,5 +43,6 @@ __all__ = [
     "__version__",
     "fmus",
     "program",
+    "sensitivity",
     "sweep",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,9 +106,6 @@ def sweep(
         SweepError: A wish that is refused.
         RunError: A sweep that has not reached its end; what is finished is kept.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
-    if jobs is None:
-        jobs = cores if client is None else 1
     wishes: dict[str, Any] = {
         "vary": [f"{key}={listed(values)}" for key, values in vary.items()],
         "derive": [f"{key}={expression}" for key, expression in (derive or {}).items()],
@@ -116,21 +114,43 @@ def sweep(
         "count": n,
         "seed": seed,
         "series": series,
-        "mode": mode,
-        "jobs": jobs,
     }
+    _, result = carried_out(scene, wishes, Path(out), Workers(mode, jobs, progress, client, batch, retries))
+    return result
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Place and way in which cases are made, as for :func:`sweep`."""
+
+    mode: str
+    jobs: int | None
+    progress: bool
+    client: Any
+    batch: int | None
+    retries: int
+
+
+def carried_out(
+    scene: Scene, wishes: Mapping[str, Any], folder: Path, workers: Workers
+) -> tuple[CaseSweep, SweepResult]:
+    """Makes the cases of wishes, those of :class:`CaseSweep` but for ``mode``, ``jobs`` and ``files``."""
+    client, jobs = workers.client, workers.jobs
+    if jobs is None:
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+        jobs = cores if client is None else 1
+    wishes = {**wishes, "mode": workers.mode, "jobs": jobs}
     cases = CaseSweep(scene._source, **wishes, files={})
-    folder = Path(out)
     if client is None:
-        summary = json.loads(cases.run(folder, progress))
+        summary = json.loads(cases.run(folder, workers.progress))
     else:
         from ._cluster import on_cluster
 
-        summary = on_cluster(client, scene, cases, wishes, folder, batch, retries)
+        summary = on_cluster(client, scene, cases, wishes, folder, workers.batch, workers.retries)
     result = SweepResult(folder, summary)
     if not result.complete:
         finished, all_cases = summary["finished"], summary["cases"]
         error = RunError(f"{finished} of {all_cases} cases are finished; the same call goes on from there")
         error.result = result  # type: ignore[attr-defined]
         raise error
-    return result
+    return cases, result

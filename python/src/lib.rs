@@ -33,6 +33,12 @@ fn set_program(file: PathBuf) {
     fmi2::program::stand_in(file);
 }
 
+/// Names of the figures of a sensitivity analysis.
+#[pyfunction]
+fn figure_names() -> Vec<&'static str> {
+    ::sweep::sensitivity::FIGURES.iter().map(|(name, ..)| *name).collect()
+}
+
 /// The extension module.
 #[pymodule]
 mod _pantoline {
@@ -43,11 +49,11 @@ mod _pantoline {
     #[pymodule_export]
     use super::scene::SceneSource;
     #[pymodule_export]
-    use super::set_program;
-    #[pymodule_export]
     use super::simulation::{Checkpoint, Stepper};
     #[pymodule_export]
     use super::sweep::CaseSweep;
+    #[pymodule_export]
+    use super::{figure_names, set_program};
 
     /// Version of the package.
     #[pymodule_export]

@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use ::scene::{Place, Problem, Scene, What};
+use ::scene::{Mark, Place, Problem, Scene, What};
 use pyo3::prelude::*;
 use simulation::check::Report;
 use simulation::paths::scene_name;
 use simulation::{FmuSource, Mode, Prepared, SetupError, prepare};
 use sweep::Base;
+use sweep::sensitivity::Parameter;
 use system::run::Watch;
 
-use crate::error::{RunError, SceneError, of_scene, of_setup};
+use crate::error::{RunError, SceneError, of_scene, of_setup, of_sweep};
 use crate::interruption::interruptible;
 use crate::result::RunResult;
 use crate::value::{Found, find, to_python};
@@ -37,6 +38,25 @@ pub fn mode(word: &str) -> PyResult<Mode> {
         let text = format!("mode = \"{word}\": must be one of monolithic, inprocess, cosimulation");
         SceneError::new_err(text)
     })
+}
+
+/// Key, value, least, most and origin of a number.
+type ParameterRow = (String, f64, f64, f64, Option<&'static str>);
+
+/// Numbers of a scene that have ranges, and those of `ranges`; those of `keys` alone, where there are any.
+///
+/// # Errors
+/// See [`Parameter::of`] and [`Parameter::chosen`].
+pub fn parameters(
+    base: &Base,
+    ranges: &[String],
+    keys: Option<&[String]>,
+) -> Result<Vec<Parameter>, ::sweep::SweepError> {
+    let all = Parameter::of(base, ranges)?;
+    match keys {
+        Some(keys) => Parameter::chosen(all, keys),
+        None => Ok(all),
+    }
 }
 
 impl SceneSource {
@@ -141,6 +161,17 @@ impl SceneSource {
             Some(refused) => Err(refused),
             None => Ok(py.None().into_bound(py)),
         }
+    }
+
+    /// Numbers with the ranges that they may have: key, value, least, most, origin; `ranges` as behind `--range`. Those
+    /// of `keys` alone, where there are any.
+    fn parameters(&self, ranges: Vec<String>, keys: Option<Vec<String>>) -> PyResult<Vec<ParameterRow>> {
+        let found = parameters(&self.base(), &ranges, keys.as_deref()).map_err(|error| of_sweep(&error))?;
+        let row = |parameter: Parameter| {
+            let mark = parameter.mark.map(Mark::name);
+            (parameter.key, parameter.value, parameter.low, parameter.high, mark)
+        };
+        Ok(found.into_iter().map(row).collect())
     }
 
     /// The resolved scene as TOML.

@@ -5,15 +5,18 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use ::sweep::journal::Journal;
+use ::sweep::plan::PlanWishes;
+use ::sweep::sensitivity::{self, Parameter, Sensitivity};
 use ::sweep::{Made, Options, Sweep, Wishes, file};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use tempfile::TempDir;
 
 use crate::error::{RunError, SweepError, of_results, of_sweep};
 use crate::interruption::interruptible;
-use crate::scene::{SceneSource, mode};
+use crate::scene::{SceneSource, mode, parameters};
 
 /// A sweep that can begin.
 #[pyclass(frozen, module = "pantoline._pantoline")]
@@ -21,6 +24,9 @@ pub struct CaseSweep {
     name: String,
     sweep: Sweep,
     files: BTreeMap<String, String>,
+    /// Numbers that are varied one at a time, and the hash of their scene.
+    one_at_a_time: Option<(Vec<Parameter>, String)>,
+    mode: &'static str,
     /// Journal of a sweep whose batches are made elsewhere, and its folder.
     journal: Mutex<Option<(Journal, PathBuf)>>,
     /// Packages of FMUs.
@@ -35,8 +41,14 @@ fn json(error: &serde_json::Error) -> PyErr {
 impl CaseSweep {
     /// Reads the scene, makes the plan and tries its values; wishes are those of the command line. `files` are texts of
     /// files beside the scene, where the sweep is made in a place that has none.
+    ///
+    /// In place of wishes: `rows` are the values of each key in one case after the other; `ranges` are numbers that are
+    /// varied one at a time, with those of the scene, or those of `keys` alone.
     #[new]
-    #[pyo3(signature = (scene, *, vary, derive, where_, sample, count, seed, series, mode, jobs, files))]
+    #[pyo3(signature = (
+        scene, *, vary, derive, where_, sample, count, seed, series, mode, jobs, files,
+        rows=None, ranges=None, keys=None
+    ))]
     #[allow(clippy::too_many_arguments, reason = "each is an option of the program")]
     fn new(
         py: Python<'_>,
@@ -51,6 +63,9 @@ impl CaseSweep {
         mode: &str,
         jobs: usize,
         files: BTreeMap<String, String>,
+        rows: Option<&Bound<'_, PyDict>>,
+        ranges: Option<Vec<String>>,
+        keys: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let mut wishes = Wishes::default();
         let refused = |error: ::sweep::SweepError| of_sweep(&error);
@@ -73,12 +88,31 @@ impl CaseSweep {
             fmus: packages.path().to_owned(),
         };
         let base = scene.base().with_files(files);
-        let plan = wishes.plan().map_err(refused)?;
+        let one_at_a_time = match &ranges {
+            Some(ranges) => {
+                let parameters = parameters(&base, ranges, keys.as_deref()).map_err(refused)?;
+                Some((parameters, sensitivity::identity(&base).map_err(refused)?))
+            }
+            None => None,
+        };
+        let plan = match (&one_at_a_time, rows) {
+            (Some((parameters, _)), _) => sensitivity::wishes(parameters),
+            (None, Some(rows)) => {
+                // A dictionary of Python keeps the order of its keys.
+                let column = |(key, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+                    Ok::<_, PyErr>((key.extract::<String>()?, values.extract::<Vec<f64>>()?))
+                };
+                PlanWishes::rows(rows.iter().map(column).collect::<PyResult<_>>()?)
+            }
+            (None, None) => wishes.plan().map_err(refused)?,
+        };
         let sweep = py.detach(|| Sweep::new(base, plan, options)).map_err(refused)?;
         Ok(Self {
             name: scene.name.clone(),
             files: sweep.files(),
             sweep,
+            one_at_a_time,
+            mode: mode.name(),
             journal: Mutex::default(),
             _packages: packages,
         })
@@ -109,6 +143,31 @@ impl CaseSweep {
         })?;
         let summary = summary.map_err(|error| of_sweep(&error))?;
         serde_json::to_string(&summary).map_err(|error| json(&error))
+    }
+
+    /// Figures of the finished cases in `folder`, and the reasons of those without, as JSON.
+    fn figures(&self, py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+        let records = py
+            .detach(|| self.sweep.records(&folder))
+            .map_err(|error| of_sweep(&error))?;
+        let reasons: Vec<&str> = records.iter().map(|record| &*record.reason).collect();
+        let found = serde_json::json!({ "figures": sensitivity::figures(&records), "reasons": reasons });
+        Ok(found.to_string())
+    }
+
+    /// Effects of the numbers that were varied one at a time in `folder`, as JSON; writes the files of
+    /// `master sensitivity`.
+    fn effects(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Option<String>> {
+        let Some((parameters, identity)) = &self.one_at_a_time else {
+            return Ok(None);
+        };
+        let records = py
+            .detach(|| self.sweep.records(&folder))
+            .map_err(|error| of_sweep(&error))?;
+        let found = Sensitivity::of((&self.name, self.mode, identity.clone()), parameters, &records);
+        let written = OutputDirectory::open(&folder).and_then(|output| found.write(&output));
+        written.map_err(|error| of_results(&error))?;
+        serde_json::to_string(&found).map(Some).map_err(|error| json(&error))
     }
 
     /// Makes some cases, for a sweep that is kept elsewhere; returns them as JSON.

@@ -38,7 +38,7 @@ def test_the_lines_of_the_guide_run_as_printed(tmp_path: Path) -> None:
     for folder in ("scenes", "examples"):
         (tmp_path / folder).symlink_to(TREE / folder)
     page = TREE / "docs" / "guide" / "python.md"
-    marks = ("## Scenes", "## Runs", "## Steps", "## Sweeps")
+    marks = ("## Scenes", "## Runs", "## Steps", "## Sweeps", "## Sensitivity", "`pantoline.Samples` has")
     script = "\n".join(["import matplotlib; matplotlib.use('agg')", *(block(page, mark) for mark in marks)])
     ended = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr

@@ -204,7 +204,7 @@ impl OutputDirectory {
                 serde_json::to_writer(out, &file).map_err(json(path))
             })?;
         }
-        write_summary(folder, &bundle.summary)
+        replace(folder, SUMMARY, |out, path| write_json(out, path, &bundle.summary))
     }
 
     /// Writes `summary`.
@@ -213,7 +213,7 @@ impl OutputDirectory {
     ///
     /// [`ResultsError::Io`] with the path and the reason.
     pub fn write_summary(&self, summary: &Summary) -> Result<(), ResultsError> {
-        write_summary(&self.path, summary)
+        self.write_json(SUMMARY, summary)
     }
 
     /// Writes the `page` of the report.
@@ -254,10 +254,6 @@ impl OutputDirectory {
     ) -> Result<(), ResultsError> {
         replace(&self.path, name, content)
     }
-}
-
-fn write_summary(folder: &Path, summary: &Summary) -> Result<(), ResultsError> {
-    replace(folder, SUMMARY, |out, path| write_json(out, path, summary))
 }
 
 /// Writes `value` as indented JSON to `out`; `path` is named in errors.

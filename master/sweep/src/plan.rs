@@ -40,6 +40,24 @@ pub struct PlanWishes {
     pub design: Design,
 }
 
+impl PlanWishes {
+    /// One case for each row of a table: columns are keys with their values, in the units of the keys.
+    #[must_use]
+    pub fn rows(columns: Vec<(String, Vec<f64>)>) -> Self {
+        let varied = |(name, values): (String, Vec<f64>)| Varied {
+            place: format!("rows: {name}"),
+            values: Values::Listed(values.into_iter().map(Value::Number).collect()),
+            name,
+        };
+        Self {
+            varied: columns.into_iter().map(varied).collect(),
+            derived: Vec::new(),
+            constraints: Vec::new(),
+            design: Design::Rows,
+        }
+    }
+}
+
 /// Source of a number in an expression.
 #[derive(Clone, Copy, Debug)]
 enum Input {
@@ -72,6 +90,8 @@ impl Bound {
 #[derive(Clone, Debug)]
 pub struct Plan {
     varied: Vec<Varied>,
+    /// `true` for each varied key whose values are all numbers: asked for every row of a table that may be long.
+    are_numbers: Vec<bool>,
     /// Names and expressions, in an order in which each needs only those before it.
     derived: Vec<(String, Bound)>,
     constraints: Vec<Bound>,
@@ -110,6 +130,7 @@ impl Plan {
         check_names(&varied, &derived)?;
         let points = points(&varied, design)?;
         let mut plan = Self {
+            are_numbers: varied.iter().map(|varied| varied.values.are_numbers()).collect(),
             varied,
             derived: Vec::new(),
             constraints: Vec::new(),
@@ -159,7 +180,7 @@ impl Plan {
     fn bound(&self, expression: Expression, typed: &Typed, numbers: &Numbers) -> Result<Bound, SweepError> {
         let input = |name: &String| {
             if let Some(index) = self.varied.iter().position(|varied| varied.name == *name) {
-                if !self.varied[index].values.are_numbers() {
+                if !self.are_numbers[index] {
                     let what = format!(
                         "\"{}\": {name} has values that are no numbers, which no expression takes",
                         typed.text
@@ -211,7 +232,8 @@ impl Plan {
         let varied = self
             .varied
             .iter()
-            .map(|varied| (&*varied.name, varied.values.are_numbers()));
+            .zip(&self.are_numbers)
+            .map(|(varied, are_numbers)| (&*varied.name, *are_numbers));
         varied.chain(self.derived.iter().map(|(name, _)| (&**name, true)))
     }
 
@@ -295,7 +317,7 @@ impl Plan {
     #[must_use]
     pub fn cases(&self) -> Cases<'_> {
         let units = match self.design {
-            Design::Factorial | Design::OneAtATime => None,
+            Design::Factorial | Design::OneAtATime | Design::Rows => None,
             Design::Sample(sample) => Some(UnitPoints::new(sample, self.varied.len())),
         };
         Cases {
@@ -306,8 +328,9 @@ impl Plan {
         }
     }
 
-    /// Tries every listed value and the bounds of every distribution, one key at a time beside the first case: each is
-    /// refused as `--set` refuses it. Contradictions across keys belong to the rows of their cases.
+    /// Tries every listed value and the bounds of every distribution and of every column of a table, one key at a time
+    /// beside the first case: each is refused as `--set` refuses it. Contradictions across keys belong to the rows of
+    /// their cases.
     ///
     /// # Errors
     /// The first refusal.
@@ -322,7 +345,12 @@ impl Plan {
         let values = first.values.clone();
         self.try_case(base, first)?;
         for (index, varied) in self.varied.iter().enumerate() {
-            for value in varied.values.tried() {
+            let tried = match self.design {
+                // Rows may be very many; like the bounds of a distribution, the ends stand for what is between them.
+                Design::Rows => varied.values.ends(),
+                _ => varied.values.tried(),
+            };
+            for value in tried {
                 let mut values = values.clone();
                 values[index] = value;
                 if let Some(case) = self.case(1, values) {
@@ -375,9 +403,9 @@ fn check_names(varied: &[Varied], derived: &[(String, Typed)]) -> Result<(), Swe
 /// Number of combinations or samples.
 fn points(varied: &[Varied], design: Design) -> Result<u64, SweepError> {
     match design {
-        Design::Factorial | Design::OneAtATime => {
+        Design::Factorial | Design::OneAtATime | Design::Rows => {
             let mut points = 1_u64;
-            for varied in varied {
+            for (index, varied) in varied.iter().enumerate() {
                 let Values::Listed(values) = &varied.values else {
                     let what = format!(
                         "{}: a distribution is sampled; must have --sample latin, sobol or random with --count, or be \
@@ -389,6 +417,14 @@ fn points(varied: &[Varied], design: Design) -> Result<u64, SweepError> {
                 let values = values.len() as u64;
                 points = match design {
                     Design::OneAtATime => points + values.saturating_sub(1),
+                    Design::Rows if index == 0 || values == points => values,
+                    Design::Rows => {
+                        let what = format!(
+                            "{}: has {values} values, must have {points} as the keys before it: one for each row",
+                            varied.name
+                        );
+                        return Err(SweepError::wish(&varied.place, what));
+                    }
                     _ => points.saturating_mul(values),
                 };
             }
@@ -447,8 +483,10 @@ impl Cases<'_> {
                     .collect(),
             );
         }
-        if self.plan.design == Design::OneAtATime {
-            return one_at_a_time(varied, index);
+        match self.plan.design {
+            Design::OneAtATime => return one_at_a_time(varied, index),
+            Design::Rows => return varied.iter().map(|varied| varied.values.listed_at(index)).collect(),
+            Design::Factorial | Design::Sample(_) => {}
         }
         let mut values = Vec::with_capacity(varied.len());
         for varied in varied.iter().rev() {

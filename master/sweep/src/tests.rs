@@ -12,7 +12,7 @@ use simulation::Mode;
 use crate::base::{Base, Numbers};
 use crate::file::{Wishes, method};
 use crate::journal::JOURNAL;
-use crate::plan::{Case, Plan};
+use crate::plan::{Case, Plan, PlanWishes};
 use crate::run::{CSV, Options, PARQUET, Summary, Sweep, TIMES};
 use crate::values::Value;
 
@@ -111,6 +111,31 @@ fn all_combinations_are_cases_and_the_last_key_changes_first() {
         plan.overrides(&cases[1]),
         ["run.speed_kmh=200", "pantograph[1].static_force=120"]
     );
+}
+
+#[test]
+fn rows_of_a_table_are_cases_in_their_order() {
+    let column = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
+    let base = base();
+    let of = |columns: Vec<(String, Vec<f64>)>| {
+        let plan = Plan::new(PlanWishes::rows(columns), &Numbers::of(&base.read(&[]).unwrap()))?;
+        plan.check(&base).map(|()| plan)
+    };
+    // The same value in several rows, as designs of samples have it.
+    let speeds = column("run.speed_kmh", &[250.0, 200.0, 200.0]);
+    let forces = column("pantograph[1].static_force", &[120.0, 120.0, 1.0 / 3.0]);
+    let plan = of(vec![speeds.clone(), forces]).unwrap();
+    let cases: Vec<Vec<f64>> = plan.cases().map(|case| numbers(&case)).collect();
+    assert_eq!(cases, [[250.0, 120.0], [200.0, 120.0], [200.0, 1.0 / 3.0]]);
+    assert_eq!(plan.points(), 3);
+    let said = |columns| of(columns).unwrap_err().to_string();
+    let short = column("pantograph[1].static_force", &[120.0, 130.0]);
+    let found = said(vec![speeds.clone(), short]);
+    assert!(found.contains("has 2 values, must have 3"), "{found}");
+    // The ends of a column are tried before the first case.
+    let wrong = column("catenary.damping.alpha", &[0.01, 0.02, -1.0]);
+    let found = said(vec![speeds, wrong]);
+    assert!(found.contains("catenary.damping.alpha"), "{found}");
 }
 
 #[test]

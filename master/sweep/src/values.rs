@@ -242,10 +242,38 @@ impl Values {
         }
     }
 
+    /// Least and largest of listed numbers; all values to be tried where they are no numbers.
+    #[must_use]
+    pub fn ends(&self) -> Vec<Value> {
+        let tried = self.tried();
+        let numbers: Option<Vec<f64>> = tried.iter().map(Value::number).collect();
+        let Some(numbers) = numbers.filter(|numbers| !numbers.is_empty()) else {
+            return tried;
+        };
+        let ends = [
+            numbers.iter().copied().reduce(f64::min),
+            numbers.iter().copied().reduce(f64::max),
+        ];
+        ends.into_iter().flatten().map(Value::Number).collect()
+    }
+
+    /// The listed value at a place, from 0; nothing behind the last one and for a distribution.
+    #[must_use]
+    pub fn listed_at(&self, index: u64) -> Option<Value> {
+        match self {
+            Self::Listed(values) => values.get(usize::try_from(index).ok()?).cloned(),
+            Self::Distributed(_) => None,
+        }
+    }
+
     /// `true` where all values are numbers.
     #[must_use]
     pub fn are_numbers(&self) -> bool {
-        self.tried().iter().all(|value| value.number().is_some())
+        let numbers = |values: &[Value]| values.iter().all(|value| value.number().is_some());
+        match self {
+            Self::Listed(values) => numbers(values),
+            Self::Distributed(distribution) => numbers(&distribution.tried()),
+        }
     }
 
     /// The value at a share `u` of all values.

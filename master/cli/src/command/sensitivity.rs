@@ -9,11 +9,11 @@ use super::sweep::text_of;
 use super::{CommandError, found, interrupted, print, print_json};
 use crate::cli::Common;
 use ::sweep::sensitivity::{self, CSV, JSON, PAGE, Parameter, Sensitivity};
-use ::sweep::{Base, Options, Sweep, SweepError};
+use ::sweep::{Base, Options, Sweep};
 use cosim::package;
 use experiments::engine::Machine;
+use results::OutputDirectory;
 use results::report::{Progress, Show};
-use results::{OutputDirectory, ResultsError};
 use simulation::Mode;
 use simulation::paths::scene_name;
 
@@ -51,8 +51,7 @@ pub fn sensitivity(arguments: &SensitivityArguments, common: &Common) -> Result<
     let origin = arguments.scene.display().to_string();
     let base = Base::new(&name, &origin, scene_folder, text, common.overrides.clone());
     let parameters = Parameter::of(&base, &arguments.range)?;
-    let scene = base.scene(&[]).map_err(SweepError::from)?;
-    let identity = experiments::identity(&scene, scene_folder);
+    let identity = sensitivity::identity(&base)?;
     let options = Options {
         mode,
         jobs: arguments.jobs.map_or(Machine::this().cores, usize::from),
@@ -81,8 +80,7 @@ pub fn sensitivity(arguments: &SensitivityArguments, common: &Common) -> Result<
     }
     let records = sweep.records(&directory)?;
     let found = Sensitivity::of((&name, mode.name(), identity), &parameters, &records);
-    output.write_json(JSON, &found).map_err(CommandError::Results)?;
-    write(&found, &output).map_err(CommandError::Results)?;
+    found.write(&output).map_err(CommandError::Results)?;
     if common.json {
         print_json(&found)?;
     } else if !common.quiet {
@@ -93,15 +91,4 @@ pub fn sensitivity(arguments: &SensitivityArguments, common: &Common) -> Result<
         ))?;
     }
     Ok(())
-}
-
-fn write(found: &Sensitivity, output: &OutputDirectory) -> Result<(), ResultsError> {
-    output.replace(CSV, |out, path| {
-        let csv = found.csv().map_err(|source| ResultsError::Csv {
-            path: path.to_owned(),
-            source,
-        })?;
-        out.write_all(&csv).map_err(results::io(path, "write"))
-    })?;
-    output.write_page(PAGE, &found.page())
 }

@@ -57,6 +57,8 @@ pub enum Design {
     Factorial,
     /// The first listed value of every key, then each further value of one key beside the first ones of all others.
     OneAtATime,
+    /// The first listed value of every key, then the second one of every key, and so on: the rows of a table.
+    Rows,
     /// Samples.
     Sample(Sample),
 }

@@ -16,7 +16,7 @@ mod page;
 
 use std::path::Path;
 
-use results::Uncertainty;
+use results::{OutputDirectory, ResultsError, Uncertainty};
 use scene::{Mark, Range};
 use serde::{Deserialize, Serialize};
 
@@ -95,6 +95,30 @@ impl Parameter {
         ranges.into_iter().map(parameter).collect()
     }
 
+    /// Those of these keys, in the order of the keys.
+    ///
+    /// # Errors
+    /// A key that has no range, and one that stands twice.
+    pub fn chosen(parameters: Vec<Self>, keys: &[String]) -> Result<Vec<Self>, SweepError> {
+        let known: Vec<&str> = parameters.iter().map(|parameter| &*parameter.key).collect();
+        let place = |key: &String| {
+            let unknown = || {
+                let what = format!("{key}: has no range; must be one of {}", known.join(", "));
+                SweepError::wish("keys", what)
+            };
+            known.iter().position(|known| known == key).ok_or_else(unknown)
+        };
+        let places: Vec<usize> = keys.iter().map(place).collect::<Result<_, _>>()?;
+        if let Some((_, key)) = keys
+            .iter()
+            .enumerate()
+            .find(|(index, key)| keys[..*index].contains(key))
+        {
+            return Err(SweepError::wish("keys", format!("{key}: must stand once, not twice")));
+        }
+        Ok(places.into_iter().map(|place| parameters[place].clone()).collect())
+    }
+
     /// Ends of the range that differ from the value.
     fn ends(&self) -> impl Iterator<Item = f64> + '_ {
         [self.low, self.high].into_iter().filter(|end| *end != self.value)
@@ -121,6 +145,14 @@ fn typed(text: &str) -> Result<Range, SweepError> {
         high: Some(high),
         mark: None,
     })
+}
+
+/// Hash of the scene that a later run of it must have to take the result.
+///
+/// # Errors
+/// A scene that is refused.
+pub fn identity(base: &Base) -> Result<String, SweepError> {
+    Ok(experiments::identity(&base.scene(&[])?, &base.folder))
 }
 
 /// Wishes for the cases: the scene as it is, then each end of each range.
@@ -259,10 +291,11 @@ pub fn uncertainty(folder: &Path, identity: &str) -> Option<Vec<Uncertainty>> {
     (kept.identity == identity).then(|| kept.figures.into_iter().map(figure).collect())
 }
 
-/// Figures: name, unit, and the figure of a pantograph (from 0) in a record.
-type Figure = (&'static str, &'static str, fn(&Record, usize) -> Option<f64>);
+/// Name, unit, and the figure of a pantograph (from 0) in a record.
+pub type Figure = (&'static str, &'static str, fn(&Record, usize) -> Option<f64>);
 
-const FIGURES: [Figure; 6] = [
+/// Figures of an analysis.
+pub const FIGURES: [Figure; 6] = [
     ("std", "N", |record, index| record.pantographs[index].std),
     ("mean", "N", |record, index| record.pantographs[index].mean),
     ("max", "N", |record, index| record.pantographs[index].max),
@@ -271,30 +304,68 @@ const FIGURES: [Figure; 6] = [
     ("uplift", "mm", |record, _| record.uplift.map(|uplift| 1e3 * uplift)),
 ];
 
+/// One figure of one pantograph in all cases.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FigureValues {
+    /// Pantograph, from 1.
+    pub pantograph: usize,
+    /// Name as in the table of a sweep.
+    pub figure: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Values in the order of the cases; absent for a case without the figure.
+    pub values: Vec<Option<f64>>,
+}
+
+/// Figures of all cases by pantograph; the uplift belongs to the line and stands once.
+#[must_use]
+pub fn figures(records: &[Record]) -> Vec<FigureValues> {
+    let pantographs = records.first().map_or(0, |record| record.pantographs.len());
+    let all = (0..pantographs).flat_map(|index| {
+        FIGURES.iter().map(move |&(figure, unit, of)| FigureValues {
+            pantograph: index + 1,
+            figure,
+            unit,
+            values: records.iter().map(|record| of(record, index)).collect(),
+        })
+    });
+    all.filter(|values| values.pantograph == 1 || values.figure != "uplift")
+        .collect()
+}
+
 impl Sensitivity {
     /// Effects from the records of the cases of [`wishes`], in their order.
     #[must_use]
     pub fn of((scene, mode, identity): (&str, &str, String), parameters: &[Parameter], records: &[Record]) -> Self {
-        let pantographs = records.first().map_or(0, |record| record.pantographs.len());
         let failed = records.iter().filter(|record| !record.reason.is_empty());
         let failed = failed.map(|record| format!("case {}: {}", record.case, record.reason));
-        let figures = (0..pantographs).flat_map(|index| {
-            FIGURES.iter().map(move |(name, unit, of)| {
-                let figure = |case: usize| records.get(case).and_then(|record| of(record, index));
-                effects_on((index + 1, name, unit), parameters, &figure)
-            })
-        });
         Self {
             scene: scene.to_owned(),
             mode: mode.to_owned(),
             runs: records.len(),
             failed: failed.collect(),
             identity,
-            // The uplift belongs to the line: once.
-            figures: figures
-                .filter(|figure| figure.pantograph == 1 || figure.figure != "uplift")
+            figures: figures(records)
+                .iter()
+                .map(|figure| effects_on(figure, parameters))
                 .collect(),
         }
+    }
+
+    /// Writes `sensitivity.csv`, `sensitivity.json` and `sensitivity.html`.
+    ///
+    /// # Errors
+    /// Reports of the operating system.
+    pub fn write(&self, output: &OutputDirectory) -> Result<(), ResultsError> {
+        output.write_json(JSON, self)?;
+        output.replace(CSV, |out, path| {
+            let csv = self.csv().map_err(|source| ResultsError::Csv {
+                path: path.to_owned(),
+                source,
+            })?;
+            out.write_all(&csv).map_err(results::io(path, "write"))
+        })?;
+        output.write_page(PAGE, &self.page())
     }
 
     /// The table as CSV, a row for each figure and parameter.
@@ -378,12 +449,9 @@ impl Sensitivity {
     }
 }
 
-/// Effects on the figure that `figure` has for each case (from 0).
-fn effects_on(
-    (pantograph, name, unit): (usize, &'static str, &'static str),
-    parameters: &[Parameter],
-    figure: &dyn Fn(usize) -> Option<f64>,
-) -> FigureEffects {
+/// Effects on a figure.
+fn effects_on(of: &FigureValues, parameters: &[Parameter]) -> FigureEffects {
+    let figure = |case: usize| of.values.get(case).copied().flatten();
     let value = figure(0);
     let mut case = 0;
     let mut effects: Vec<Effect> = Vec::new();
@@ -413,9 +481,9 @@ fn effects_on(
         effects.iter().map(|effect| most(effect).powi(2)).sum::<f64>().sqrt()
     };
     FigureEffects {
-        pantograph,
-        figure: name,
-        unit,
+        pantograph: of.pantograph,
+        figure: of.figure,
+        unit: of.unit,
         value,
         below: together(-1.0),
         above: together(1.0),
@@ -533,5 +601,16 @@ mod tests {
             assert!(said.contains(part), "{typed}: {said}");
         }
         assert!(ranges(&[]).unwrap_err().contains("--range"));
+        let some = ranges(&["contact.stiffness=4e4:6e4", "catenary.damping.alpha=0.01:0.02"]).unwrap();
+        let keys = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect::<Vec<_>>();
+        let chosen = Parameter::chosen(some.clone(), &keys(&["catenary.damping.alpha"])).unwrap();
+        assert_eq!(chosen, some[1..]);
+        let said = Parameter::chosen(some, &keys(&["contact.damping"]))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            said.contains("contact.damping: has no range; must be one of contact.stiffness, "),
+            "{said}"
+        );
     }
 }
