@@ -156,7 +156,7 @@ enum Command {
         /// Word as in a scene, a table or a report: run.low_pass_hz, std, "EN 50367 mean", mesh
         #[arg(required = true, value_name = "WORD")]
         words: Vec<String>,
-        /// Scene whose [assessment] holds: limits of your own stand in their places
+        /// Scene whose table of limits holds, `assessment`: limits of your own stand in their places
         #[arg(long, value_name = "SCENE")]
         scene: Option<PathBuf>,
     },

@@ -6,8 +6,8 @@
 //! m_b ü + c u̇ + k u = −F − m_b a                  first bending mode of a strip, moved at its ends
 //! ```
 //!
-//! `a` is the acceleration of the head where the accelerometers sit, over the cells; `m` the mass above the cells, `m_b`
-//! the part of it that bends, `u` its deflection, `L` the lift of the air above the cells, `L̄` its mean. A rigid strip
+//! `a` is the acceleration of the head where the accelerometers sit, over the cells; `m` the mass above the cells,
+//! `m_b` the part of it that bends, `u` its deflection, `L` the lift of the air above the cells, `L̄` its mean. A rigid strip
 //! has `ü = 0`: force, lift and errors apart, the sum is the contact force [EN 50317]. A strip that bends hides the
 //! acceleration of its middle from the accelerometers. For a head held still
 //!

@@ -68,9 +68,9 @@ static WORDS: [Word; 43] = [
     means(
         &["measured", "measurement", "gains", "as measured"],
         "N",
-        "Contact force as a measuring train takes it: force of the load cells under the strips and their mass times the \
-         acceleration beside them, with the instruments of [measurement]. A strip that bends hides the acceleration of \
-         its middle.",
+        "Contact force as a measuring train takes it: force of the load cells under the strips and their mass times \
+         the acceleration beside them, with the instruments of [measurement]. A strip that bends hides the \
+         acceleration of its middle.",
         STATISTICS,
     ),
     means(
@@ -329,8 +329,8 @@ static WORDS: [Word; 43] = [
         &["certainty", "[C]", "[R]", "[S]", "[H]"],
         "",
         "Certainty of a limit's figure: [C] read in a text that quotes the standard, [R] remembered and not verified, \
-         [S] read in the standard by the one who entered it under [assessment], [H] chosen, in no standard. Texts of the \
-         standards are not public.",
+         [S] read in the standard by the one who entered it under [assessment], [H] chosen, in no standard. Texts \
+         of the standards are not public.",
         STATISTICS,
     ),
     means(

@@ -290,8 +290,8 @@ pub(super) fn limits(runs: &[NamedRun<'_>]) -> String {
     }
     let all: Vec<Limit> = runs.iter().flat_map(|run| run.summary.limits.clone()).collect();
     html.push_str(&format!(
-        "</tbody></table></div>\n<p class=\"caption\">{}. Editions are those whose figures could be read; those in force \
-         stand in docs/theory/statistics.md. Figures of your copy are entered under [assessment].</p>\n",
+        "</tbody></table></div>\n<p class=\"caption\">{}. Editions are those whose figures could be read; those in \
+         force stand in docs/theory/statistics.md. Figures of your copy are entered under [assessment].</p>\n",
         marks(&all)
     ));
     html
