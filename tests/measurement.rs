@@ -1,7 +1,8 @@
 //! Force of a measuring pantograph on the line of EN 50318 against the contact force of the same run.
 //!
 //! The force below the head is computed here anew, from the recorded motion of the strip: mass 2 is integrated under
-//! it, and the spring between both masses is what load cells below the head feel. No code is shared with the pantograph.
+//! it, and the spring between both masses is what load cells below the head feel. No code is shared with the
+//! pantograph.
 
 use integration_tests::runs::{EN_300, Run, run, scene_with};
 use simulation::Mode;

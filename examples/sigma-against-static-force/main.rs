@@ -11,9 +11,9 @@ use std::sync::atomic::AtomicBool;
 use experiments::engine::export::{Csv, Exporter, Html, Text};
 use experiments::engine::table::{Columns, RunRow, Status};
 use experiments::engine::{
-    Attempt, Bench, Experiment, Machine, Planned, Run, Sheet, Site, Stage, Store, Table, Timing, Unmade, Variant,
-    execute,
+    Attempt, Bench, Experiment, Planned, Run, Sheet, Site, Stage, Store, Table, Timing, Unmade, Variant, execute,
 };
+use results::Machine;
 use results::OutputDirectory;
 use results::report::{Page, Progress, Show, aligned, escape};
 use serde::Serialize;

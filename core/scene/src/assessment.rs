@@ -102,6 +102,8 @@ choice! {
         AtLeast = "at_least",
         /// >
         Above = "above",
+        /// =
+        Equal = "equal",
     }
     unavailable: []
 }
@@ -180,6 +182,7 @@ impl LimitedQuantity {
         match self {
             Self::MeanLower | Self::FreeUplift | Self::SamplingRate | Self::ControlSection => LimitBound::AtLeast,
             Self::Min => LimitBound::Above,
+            Self::Band => LimitBound::Equal,
             _ => LimitBound::AtMost,
         }
     }
@@ -204,7 +207,8 @@ impl Entry for Assessment {
     const SENTENCES: Sentences = &[
         (
             "from",
-            "Path of a file with the keys of this table, relative to the scene; keys that stand here win.",
+            "Path of a file with the keys of this table, relative to the scene; keys that stand here win, and rows \
+             stand before those of the file.",
         ),
         (
             "editions",

@@ -12,7 +12,7 @@ pub struct Measurement {
     pub strip_mass: f64,
     /// Frequency of the first bending mode of a strip on its cells, Hz; rigid where it is left out.
     pub bending_frequency: Option<f64>,
-    /// Share of the mass above the cells that moves in this mode, –.
+    /// Share of the mass above the cells that bends, –.
     pub bending_mass_share: f64,
     /// Damping ratio of this mode, –.
     pub bending_damping_ratio: f64,
@@ -41,8 +41,7 @@ impl Entry for Measurement {
         ),
         (
             "bending_mass_share",
-            "Share of the mass above the cells that moves in the bending mode; 0.5 is that of a uniform beam on two \
-             supports.",
+            "Share of the mass above the cells that bends, as a uniform beam on its cells; the rest moves with them.",
         ),
         ("bending_damping_ratio", "Damping ratio of the bending mode."),
         (
@@ -71,7 +70,7 @@ impl Entry for Measurement {
             bending_mass_share: keys.number(
                 "bending_mass_share",
                 was.map(|own| own.bending_mass_share),
-                Number::between(0.0, 1.0).default(0.5),
+                Number::between(0.0, 1.0).default(1.0),
             ),
             bending_damping_ratio: keys.number(
                 "bending_damping_ratio",

@@ -27,7 +27,7 @@ fn a_file_of_limits_is_taken_in_and_the_written_scene_needs_it_no_more() {
     let rows = &scene.assessment.limits;
     assert_eq!(
         (rows.len(), rows[2].quantity, rows[2].factor),
-        (4, LimitedQuantity::Std, Some(0.3))
+        (3, LimitedQuantity::Std, Some(0.3))
     );
     assert_eq!(
         (rows[0].name(), rows[0].mark, rows[0].speed_squared),
@@ -91,5 +91,5 @@ fn wrong_rows_are_refused_with_key_value_and_what_would_be_right() {
     // A problem in the file is told with its name and line.
     let wrong = LIMITS.replace("speed_squared = 0.00047", "speed_squared = \"v\"");
     let message = read("[assessment]\nfrom = \"limits.toml\"", &[("limits.toml", &wrong)]).unwrap_err();
-    assert!(message.contains("limits.toml:19"), "{message}");
+    assert!(message.contains("limits.toml:20"), "{message}");
 }

@@ -4,5 +4,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    master::cli::main()
+    master::defect::guarded(master::cli::main)
 }

@@ -166,6 +166,7 @@ fn a_measured_series_is_compared_with_the_run_and_a_figure_beyond_its_bound_is_e
         assert_eq!(figures.len(), 6);
         let std = figures.iter().find(|figure| figure["quantity"] == "std").unwrap();
         assert_eq!(std["pass"], status == 0, "{std}");
+        assert_eq!(record["pass"], status == 0);
         assert!(
             std::fs::read_to_string(to.join("validation.html"))
                 .unwrap()

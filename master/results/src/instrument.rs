@@ -1,20 +1,21 @@
 //! Contact force as a measuring train takes it: load cells under the strips, and accelerometers beside them.
 //!
 //! ```text
-//! F_cell = F − L + m a + m_b ü                    balance of what lies on the cells, its weight taken off
+//! F_cell = F − L + m a + 2/π m_b ü                balance of what lies on the cells, its weight taken off
 //! F_measured = (1 + e_g) F_cell − (1 + e_m) m a + L̄
-//! m_b ü + c u̇ + k u = −F − m_b a                  first bending mode of a strip, moved at its ends
+//! m_b/2 ü + c u̇ + k u = −F − 2/π m_b a           first mode sin(π s/l) of a uniform beam on its ends, F in the middle
 //! ```
 //!
 //! `a` is the acceleration of the head where the accelerometers sit, over the cells; `m` the mass above the cells,
-//! `m_b` the part of it that bends, `u` its deflection, `L` the lift of the air above the cells, `L̄` its mean. A rigid strip
-//! has `ü = 0`: force, lift and errors apart, the sum is the contact force [EN 50317]. A strip that bends hides the
-//! acceleration of its middle from the accelerometers. For a head held still
+//! `m_b` that of the strip that bends, `u` the deflection of its middle, `L` the lift of the air above the cells, `L̄`
+//! its mean over the record. A rigid strip has `ü = 0`: lift and errors apart, the sum is the contact force [EN 50317].
+//! A strip that bends hides the acceleration of its middle from the accelerometers. For a head held still
 //!
 //! ```text
-//! F_measured/F = (k + i c ω)/(k + i c ω − m_b ω²)
+//! F_measured/F = 1 + (4/π) r²/(1 − r² + 2 i ζ r)      r = f/f₀
 //! ```
 //!
+//! of which the whole beam, `½ (1/cos b + 1/cosh b)` with `b = π/2 √r`, differs by the modes above the first.
 //! The simulated head is rigid: bending acts on the measurement, not back on the line.
 //!
 //! Source: `[Massat]` J.-P. Massat, doctoral thesis, École Centrale de Lyon, 2007, p. 144: two force sensors and two
@@ -56,7 +57,7 @@ pub struct Instrument {
 pub struct Bending {
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Mass that moves in it, kg.
+    /// Mass of the strip that bends, kg.
     pub mass_kg: f64,
     /// Damping ratio, –.
     pub damping_ratio: f64,
@@ -82,63 +83,65 @@ pub struct Gain {
     pub gain: f64,
 }
 
+/// Share of a uniform beam on its ends that moves in its first mode, by the amplitude of the middle, –.
+const MODAL: f64 = 0.5;
+
+/// Share of it that the ends feel and act on, –.
+const SHARED: f64 = std::f64::consts::FRAC_2_PI;
+
 impl Bending {
-    /// Angular frequency, stiffness and damping: rad/s, N/m, N s/m.
-    fn constants(&self) -> (f64, f64, f64) {
+    /// Angular frequency, modal mass, stiffness and damping: rad/s, kg, N/m, N s/m.
+    fn constants(&self) -> (f64, f64, f64, f64) {
         let omega = std::f64::consts::TAU * self.frequency_hz;
-        let stiffness = self.mass_kg * omega * omega;
-        (omega, stiffness, 2.0 * self.damping_ratio * self.mass_kg * omega)
+        let mass = MODAL * self.mass_kg;
+        let (stiffness, damping) = (mass * omega * omega, 2.0 * self.damping_ratio * mass * omega);
+        (omega, mass, stiffness, damping)
     }
 
-    /// Inertia force `m_b ü` of the mode at every sample, N: `force` (N) presses on the middle of the strip, whose ends
-    /// move with `velocity` (m/s) and `acceleration` (m/s²).
-    fn inertia(&self, force: &[f64], velocity: &[f64], acceleration: &[f64], step: f64) -> Vec<f64> {
-        let (omega, stiffness, damping) = self.constants();
+    /// Inertia force `2/π m_b ü` of the mode on the cells at every sample, N: `force` (N) presses on the middle of the
+    /// strip, whose ends move with `acceleration` (m/s²).
+    fn inertia(&self, force: &[f64], acceleration: &[f64], step: f64) -> Vec<f64> {
+        let (omega, mass, stiffness, damping) = self.constants();
+        let shared = SHARED * self.mass_kg;
         let parts = (omega * step / ANGLE).ceil().max(1.0) as usize;
         let h = step / parts as f64;
-        // Deflection, and velocity of the middle: no acceleration of the ends is needed.
-        let slope = |state: [f64; 2], force: f64, ends: f64| {
-            let [deflection, middle] = state;
-            let rate = middle - ends;
-            [rate, (-force - stiffness * deflection - damping * rate) / self.mass_kg]
+        let bent = |[deflection, rate]: [f64; 2], force: f64, ends: f64| {
+            (-force - stiffness * deflection - damping * rate - shared * ends) / mass
         };
-        let start = |of: &[f64]| of.first().copied().unwrap_or_default();
-        let mut state = [-start(force) / stiffness, start(velocity)];
-        let mut found = Vec::with_capacity(force.len());
+        let mut state = [-force.first().copied().unwrap_or_default() / stiffness, 0.0];
+        let mut rates = Vec::with_capacity(force.len());
         for index in 0..force.len() {
-            let (now, ends) = (force[index], velocity[index]);
-            let [deflection, middle] = state;
-            let spring = stiffness * deflection + damping * (middle - ends);
-            found.push(-now - spring - self.mass_kg * acceleration[index]);
-            let Some((&next, &next_ends)) = force.get(index + 1).zip(velocity.get(index + 1)) else {
+            let (now, ends) = (force[index], acceleration[index]);
+            rates.push(state[1]);
+            let Some((&next, &next_ends)) = force.get(index + 1).zip(acceleration.get(index + 1)) else {
                 break;
             };
             for part in 0..parts {
-                let at = |share: f64| {
+                let slope = |state: [f64; 2], share: f64| {
                     let share = (part as f64 + share) / parts as f64;
-                    (now + share * (next - now), ends + share * (next_ends - ends))
+                    let load = (now + share * (next - now), ends + share * (next_ends - ends));
+                    [state[1], bent(state, load.0, load.1)]
                 };
-                let step_by =
-                    |from: [f64; 2], slope: [f64; 2], by: f64| [from[0] + by * slope[0], from[1] + by * slope[1]];
-                let (begin, middle, end) = (at(0.0), at(0.5), at(1.0));
-                let k1 = slope(state, begin.0, begin.1);
-                let k2 = slope(step_by(state, k1, 0.5 * h), middle.0, middle.1);
-                let k3 = slope(step_by(state, k2, 0.5 * h), middle.0, middle.1);
-                let k4 = slope(step_by(state, k3, h), end.0, end.1);
+                let by = |slope: [f64; 2], h: f64| [state[0] + h * slope[0], state[1] + h * slope[1]];
+                let k1 = slope(state, 0.0);
+                let k2 = slope(by(k1, 0.5 * h), 0.5);
+                let k3 = slope(by(k2, 0.5 * h), 0.5);
+                let k4 = slope(by(k3, h), 1.0);
                 for i in 0..2 {
                     state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
                 }
             }
         }
-        found
+        // Of the rate: the balance at a sample sees loads that the straight lines between samples do not reach.
+        derivative(&rates, step).into_iter().map(|rate| shared * rate).collect()
     }
 
     /// Ratio of measured to true force for a head held still, –.
     pub(crate) fn gain_at(&self, frequency: f64) -> f64 {
-        let (_, stiffness, damping) = self.constants();
-        let omega = std::f64::consts::TAU * frequency;
-        let spring = stiffness.hypot(damping * omega);
-        spring / (stiffness - self.mass_kg * omega * omega).hypot(damping * omega)
+        let ratio = frequency / self.frequency_hz;
+        let (re, im) = (1.0 - ratio * ratio, 2.0 * self.damping_ratio * ratio);
+        let excess = SHARED / MODAL * ratio * ratio;
+        (re + excess).hypot(im) / re.hypot(im)
     }
 }
 
@@ -168,7 +171,7 @@ impl Instrument {
         let acceleration = derivative(&head.strip_vz, step);
         let bending = self.bending.map_or_else(
             || vec![0.0; head.force.len()],
-            |mode| mode.inertia(&head.force, &head.strip_vz, &acceleration, step),
+            |mode| mode.inertia(&head.force, &acceleration, step),
         );
         let lift = head.wind.as_ref().map(|wind| &wind.lift);
         let mean = lift.map_or(0.0, |lift| lift.iter().sum::<f64>() / lift.len().max(1) as f64);

@@ -17,6 +17,7 @@ mod error;
 pub mod explain;
 mod head;
 mod instrument;
+mod machine;
 mod record;
 pub mod recorder;
 pub mod report;
@@ -34,6 +35,7 @@ pub use directory::{OutputDirectory, RunBundle, SUMMARY};
 pub use directory::{io, write_json};
 pub use error::ResultsError;
 pub use instrument::{Bending, Gain, Instrument, Measured};
+pub use machine::Machine;
 pub use record::{DropperRow, LineGeometry, NamedSeries, Record, StripRecord, SupportRecord, WindRecord};
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{

@@ -35,7 +35,8 @@ pub struct MeasuredFiles {
     pub uplift: Option<PathBuf>,
     /// Number of that support, from 1.
     pub support: Option<usize>,
-    /// Largest relative differences, %: `mean`, `std`, `max`, `min`, `uplift`; `std = 20` where it is left out.
+    /// Largest relative differences, %: `mean`, `std`, `max`, `min`, `std_0_5_hz`,
+    /// `std_5_20_hz`, `uplift`; `std = 20` where it is left out.
     #[serde(default)]
     pub agreement_percent: std::collections::BTreeMap<Quantity, f64>,
 }
@@ -53,8 +54,10 @@ pub enum Quantity {
     /// Its minimum, N.
     Min,
     /// Deviation from 0 to 5 Hz, N.
+    #[serde(rename = "std_0_5_hz")]
     StdBelow5Hz,
     /// Deviation from 5 to 20 Hz, N.
+    #[serde(rename = "std_5_20_hz")]
     Std5To20Hz,
     /// Largest uplift at the support, mm.
     Uplift,
@@ -93,8 +96,8 @@ pub struct Compared {
     pub measured: f64,
     /// Computed value.
     pub computed: f64,
-    /// Computed less measured, % of the measured one.
-    pub difference_percent: f64,
+    /// Computed less measured, % of the measured one; absent where that is zero.
+    pub difference_percent: Option<f64>,
     /// Largest difference, %; absent where none is known.
     pub bound_percent: Option<f64>,
     /// True for a bound that is remembered and not verified.
@@ -129,6 +132,20 @@ impl MeasuredFiles {
         }
         if self.uplift.is_some() && self.support.is_none() {
             return Some("measured.support: must be the number of the support that uplift was measured at".to_owned());
+        }
+        if self.support.is_some() && self.uplift.is_none() {
+            return Some("measured.uplift: must be the file of the uplift at measured.support".to_owned());
+        }
+        let series = |quantity: &Quantity| match quantity {
+            Quantity::Uplift => ("uplift", self.uplift.is_some()),
+            _ => ("force", self.force.is_some()),
+        };
+        let mut bounds = self.agreement_percent.keys();
+        if let Some(quantity) = bounds.find(|quantity| !series(quantity).1) {
+            let (name, key) = (quantity.name(), series(quantity).0);
+            return Some(format!(
+                "measured.agreement_percent: {name} has a bound but no series: must name measured.{key}"
+            ));
         }
         let wrong = self
             .agreement_percent
@@ -205,7 +222,7 @@ impl MeasuredFiles {
             let entered = self.agreement_percent.get(&quantity).copied();
             let remembered = entered.is_none() && quantity == Quantity::Std;
             let bound_percent = entered.or(remembered.then_some(STD_PERCENT));
-            let difference_percent = 100.0 * (computed - measured) / measured;
+            let difference_percent = (measured != 0.0).then(|| 100.0 * (computed - measured) / measured.abs());
             Compared {
                 quantity,
                 unit: quantity.unit(),
@@ -214,7 +231,7 @@ impl MeasuredFiles {
                 difference_percent,
                 bound_percent,
                 remembered,
-                pass: bound_percent.map(|bound| difference_percent.abs() <= bound),
+                pass: (bound_percent.zip(difference_percent)).map(|(bound, difference)| difference.abs() <= bound),
             }
         });
         Ok(Measured {
@@ -438,5 +455,15 @@ mod tests {
             ..MeasuredFiles::default()
         };
         assert!(uplift.complaint().unwrap().contains("measured.support"));
+        let bound = MeasuredFiles {
+            force: Some("f.csv".into()),
+            agreement_percent: [(Quantity::Uplift, 10.0)].into(),
+            ..MeasuredFiles::default()
+        };
+        assert!(
+            bound.complaint().unwrap().contains("measured.uplift"),
+            "{:?}",
+            bound.complaint()
+        );
     }
 }

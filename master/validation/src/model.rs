@@ -30,9 +30,9 @@ pub enum ValidationError {
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// A measured series that cannot be used.
+    /// A case that does not fit its scene, or a measured series that cannot be used.
     #[error("case \"{case}\": {what}")]
-    Measured {
+    Case {
         /// Name of the case.
         case: String,
         /// The fault, and what would be right.
@@ -191,6 +191,12 @@ impl ReferenceModel {
             if let Some(complaint) = case.measured.as_ref().and_then(MeasuredFiles::complaint) {
                 return Err(wrong(format!("case \"{name}\": {complaint}")));
             }
+            if let Some(twice) = case.figures.iter().find(|figure| case.ranges.contains_key(figure)) {
+                return Err(wrong(format!(
+                    "case \"{name}\": figures: {} has a range already, and must be left out here",
+                    twice.name()
+                )));
+            }
             if case.pantograph == 0 {
                 return Err(wrong(format!(
                     "case \"{name}\": pantograph = 0: must be counted from 1"
@@ -254,6 +260,11 @@ mod tests {
                 "counted from 1",
             ),
             ("standard =", "standart =", "standart"),
+            (
+                "[case.ranges]",
+                "figures = [\"std\"]\n[case.ranges]",
+                "has a range already",
+            ),
         ] {
             let text = EN.replacen(from, to, 1);
             let said = ReferenceModel::read(&text, "own.toml").unwrap_err().to_string();

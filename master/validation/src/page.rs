@@ -39,7 +39,7 @@ fn measured(measured: &Measured, number_of_case: usize) -> String {
             + &cell("n", &number(Some(compared.measured), 2))
             + &cell("n", &number(Some(compared.computed), 2))
             + &cell("", compared.unit)
-            + &cell("n", &number(Some(compared.difference_percent), 1))
+            + &cell("n", &number(compared.difference_percent, 1))
             + &cell("n", &bound)
     });
     format!(
@@ -107,7 +107,7 @@ impl Record {
     #[must_use]
     pub fn page(&self) -> String {
         let mut page = Page::new(&format!("Validation: {}", self.standard));
-        let class = if self.pass { "good" } else { "bad" };
+        let class = class(self.pass);
         page.lead(&format!(
             "<p>{} · Pantoline {} · {}</p>\n<p class=\"verdict {class}\">Verdict: {}</p>\n",
             escape(&self.standard),

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use component::Progress;
-use experiments::engine::Machine;
 use experiments::engine::store::{by_content, digest, program};
+use results::Machine;
 use results::statistics::rms_difference;
 use results::{ErrorShare, Record as Series, Summary};
 use scene::Files;
@@ -26,8 +26,9 @@ pub struct Record {
     pub standard: String,
     /// Source of the ranges.
     pub source: String,
-    /// True where every figure that has a range lies in it in every mode, and every measured one within its bound.
-    pub pass: bool,
+    /// True where every figure that has a range lies in it in every mode, and every measured one within its bound;
+    /// absent where none has.
+    pub pass: Option<bool>,
     /// Figures that no range is known for.
     pub without_range: usize,
     /// Version of the program.
@@ -126,7 +127,7 @@ pub fn record(model: &ReferenceModel, text: &str, around: &Surroundings<'_>) -> 
     Ok(Record {
         standard: model.standard.clone(),
         source: model.source.clone(),
-        pass: cases.iter().all(|run| run.failed() == 0),
+        pass: pass(&cases),
         without_range: cases
             .iter()
             .flat_map(|run| &run.figures)
@@ -139,6 +140,12 @@ pub fn record(model: &ReferenceModel, text: &str, around: &Surroundings<'_>) -> 
         date: around.date.clone(),
         cases,
     })
+}
+
+/// Verdict on all cases; nothing where nothing is decided.
+fn pass(cases: &[Run]) -> Option<bool> {
+    let verdicts = cases.iter().flat_map(Run::verdicts);
+    verdicts.flatten().reduce(|all, one| all && one)
 }
 
 /// Runs a case in every mode.
@@ -156,6 +163,16 @@ fn run(case: &Case, around: &Surroundings<'_>) -> Result<Run, ValidationError> {
     let text = std::fs::read_to_string(&path).map_err(|source| first(format!("{origin}: {source}").into()))?;
     let files = Files::new(|path| std::fs::read_to_string(folder.join(path)).map_err(|error| error.to_string()));
     let scene = system::load_with(&text, &origin, &[], &files).map_err(|error| first(error.into()))?;
+    let heads = scene.pantographs.len();
+    if case.pantograph > heads {
+        return Err(ValidationError::Case {
+            case: case.name.clone(),
+            what: format!(
+                "pantograph = {}: must be at most {heads}, as many as {origin} has",
+                case.pantograph
+            ),
+        });
+    }
     // All modes run on one static state.
     let lines = StaticLines::keeping(1);
     let mut made: Vec<(Mode, Summary, Series)> = Vec::new();
@@ -183,7 +200,7 @@ fn run(case: &Case, around: &Surroundings<'_>) -> Result<Run, ValidationError> {
     let (_, summary, series) = &made[0];
     let measured = case.measured.as_ref().map(|files| {
         let beside = files.beside(around.folder, (summary, series), case.pantograph.saturating_sub(1));
-        beside.map_err(|what| ValidationError::Measured {
+        beside.map_err(|what| ValidationError::Case {
             case: case.name.clone(),
             what,
         })
@@ -246,16 +263,17 @@ fn difference(first: (&Summary, &Series), other: (&Summary, &Series), pantograph
 }
 
 impl Run {
+    /// Verdicts on figures and measured figures.
+    fn verdicts(&self) -> impl Iterator<Item = Option<bool>> + '_ {
+        let measured = self.measured.iter().flat_map(|measured| &measured.figures);
+        let figures = self.figures.iter().map(|found| found.pass);
+        figures.chain(measured.map(|compared| compared.pass))
+    }
+
     /// Figures outside of their ranges, and measured ones beyond their bounds.
     #[must_use]
     pub fn failed(&self) -> usize {
-        let measured = self.measured.iter().flat_map(|measured| &measured.figures);
-        let verdicts = self
-            .figures
-            .iter()
-            .map(|found| found.pass)
-            .chain(measured.map(|compared| compared.pass));
-        verdicts.filter(|pass| *pass == Some(false)).count()
+        self.verdicts().filter(|pass| *pass == Some(false)).count()
     }
 }
 
@@ -272,22 +290,14 @@ impl Record {
     /// The verdict in words.
     #[must_use]
     pub fn verdict(&self) -> String {
-        let decided = (self.cases.iter()).any(|run| {
-            let measured = run.measured.iter().flat_map(|measured| &measured.figures);
-            let verdicts = run
-                .figures
-                .iter()
-                .map(|found| found.pass)
-                .chain(measured.map(|compared| compared.pass));
-            verdicts.flatten().next().is_some()
-        });
-        let said = match (self.pass, decided) {
-            (false, _) => "figures lie outside of their ranges",
-            (true, true) => "every figure lies in its range, in every mode",
-            (true, false) => "nothing is decided",
+        let said = match self.pass {
+            Some(false) => "figures lie outside of their ranges or bounds",
+            Some(true) => "every figure that has a range or a bound lies within it",
+            None => "nothing is decided",
         };
         match self.without_range {
             0 => said.to_owned(),
+            1 => format!("{said}; no range is known for one figure"),
             count => format!("{said}; no range is known for {count} figures"),
         }
     }
@@ -318,12 +328,12 @@ impl Record {
             }
             for compared in case.measured.iter().flat_map(|measured| &measured.figures) {
                 text.push_str(&format!(
-                    "  {:<24} measured {:.2}, computed {:.2} {}, {:+.1} %{}  {}\n",
+                    "  {:<24} measured {:.2}, computed {:.2} {}, {} %{}  {}\n",
                     compared.quantity.name(),
                     compared.measured,
                     compared.computed,
                     compared.unit,
-                    compared.difference_percent,
+                    (compared.difference_percent).map_or_else(|| "–".to_owned(), |percent| format!("{percent:+.1}")),
                     compared
                         .bound_percent
                         .map_or_else(String::new, |bound| format!(" of ± {bound} %")),

@@ -62,10 +62,21 @@ fn move_paths(library: &mut Table, folder: &Path) {
     }
 }
 
+/// Rows of which those of a library stand behind those of the table: the first that fits holds.
+const ROWS: (&str, &str) = ("assessment", "limit");
+
 /// Adds keys of a library that the table neither has nor replaces by others.
 fn merge(table: &mut Table, library: Table, path: &str) {
     let own: Vec<String> = table.entries.iter().map(|(key, _)| key.clone()).collect();
     for (key, node) in library.entries {
+        if let (ROWS, Value::List(more), Some(Value::List(rows))) = (
+            (path, key.as_str()),
+            &node.value,
+            table.node_mut(&key).map(|node| &mut node.value),
+        ) {
+            rows.extend(more.iter().cloned());
+            continue;
+        }
         let inner = match node.value {
             Value::Table(inner) if table.table_mut(&key).is_some() => inner,
             value => {

@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 use super::{CommandError, interrupted, print, print_as_it_is};
 use crate::cli::Common;
 use experiments::engine::export::{Csv, Exporter, Html, Json, Text};
-use experiments::engine::{Experiment, ExperimentError, Machine, Site, Store, Table, execute};
+use experiments::engine::{Experiment, ExperimentError, Site, Store, Table, execute};
+use results::Machine;
 use results::report::{Progress, Show};
 use results::{OutputDirectory, ResultsError};
 

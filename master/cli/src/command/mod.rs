@@ -106,7 +106,7 @@ pub enum CommandError {
     Validation(Box<validation::ValidationError>),
     /// Figures of a reference model outside of their ranges.
     #[error(
-        "{standard}: {failed} of the figures lie outside of their ranges; the record is in {}",
+        "{standard}: {failed} of the figures lie outside of their ranges or bounds; the record is in {}",
         directory.display()
     )]
     NotValid {

@@ -11,7 +11,7 @@ use crate::cli::Common;
 use ::sweep::sensitivity::{self, CSV, JSON, PAGE, Parameter, Sensitivity};
 use ::sweep::{Base, Options, Sweep};
 use cosim::package;
-use experiments::engine::Machine;
+use results::Machine;
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use simulation::Mode;

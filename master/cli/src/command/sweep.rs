@@ -10,7 +10,7 @@ use crate::cli::Common;
 use ::sweep::design::Method;
 use ::sweep::{Base, Options, Sweep, SweepError, Wishes, file};
 use cosim::package;
-use experiments::engine::Machine;
+use results::Machine;
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use simulation::Mode;

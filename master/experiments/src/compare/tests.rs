@@ -9,7 +9,8 @@ use super::*;
 use crate::engine::run::SETTLE;
 use crate::engine::table::{AUTO, Keys, RunRow, Status, macro_step};
 use crate::engine::tests::executed_in;
-use crate::engine::{Machine, Stage, Store, Table as _};
+use crate::engine::{Stage, Store, Table as _};
+use results::Machine;
 use simulation::Mode;
 
 #[test]

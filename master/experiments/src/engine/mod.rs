@@ -6,7 +6,7 @@
 //! | [`run`] | a scene with some keys changed, run once: [`Run`], [`Attempt`] |
 //! | [`pool`] | jobs side by side, timings one at a time, progress, end: [`execute()`], [`side_by_side()`] |
 //! | [`store`] | runs that are kept, so that an experiment that was ended goes on: [`Store`] |
-//! | [`machine`] | machine that times belong to, memory of a time loop |
+//! | `memory` | memory that a time loop touches |
 //! | [`table`] | one row per run with the same columns everywhere, contact forces, status |
 //! | [`export`] | [`Exporter`]: a table as CSV, JSON, HTML, text |
 //!
@@ -14,7 +14,7 @@
 //! [`Table`].
 
 pub mod export;
-pub mod machine;
+mod memory;
 pub mod plan;
 pub mod pool;
 pub mod run;
@@ -24,7 +24,6 @@ pub mod table;
 pub(crate) mod tests;
 
 pub use export::{Exporter, Sheet, Table};
-pub use machine::Machine;
 pub use plan::{Experiment, ExperimentError, Planned, Timing, Unmade};
 pub use pool::{Bench, Crew, Guard, Site, Timed, execute, side_by_side};
 pub use run::{Attempt, Evidence, Run, Stage, Variant};

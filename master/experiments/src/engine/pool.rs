@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::machine::{forget_touched, touched};
+use super::memory::{forget_touched, touched};
 use super::plan::{Experiment, ExperimentError, Planned, Timing, Unmade};
 use super::run::{Attempt, Run};
 use super::store::{Store, Times, key, value_key};

@@ -12,9 +12,9 @@ use scene::Scene;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::Machine;
 use super::run::{Attempt, Run};
 use super::table::ForceCurve;
+use results::Machine;
 use results::{OutputDirectory, ResultsError, WindRecord};
 use simulation::Mode;
 

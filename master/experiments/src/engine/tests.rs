@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::table::{Columns, RunRow, Status};
 use super::*;
+use results::Machine;
 use results::report::{Page, Progress, Show};
 
 /// Carries out an experiment in a store of its own.

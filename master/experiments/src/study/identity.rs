@@ -24,12 +24,21 @@ fn hash(bytes: &[u8]) -> String {
     digest(&[bytes])[..12].to_owned()
 }
 
-/// Hash of a scene without the keys that a run changes or the hash of its settings holds, without its texts, and
-/// without what it leaves to be found: start, duration. Files that it names, supplied FMUs and tables, count by their
-/// bytes, wherever they are; paths are relative to `base`. Runs of scenes with the same hash can be compared.
+/// Hash of a scene without the keys that a run changes or the hash of its settings holds, without its texts, without
+/// what only looks at a result, and without what it leaves to be found: start, duration. Files that it names, supplied
+/// FMUs and tables, count by their bytes, wherever they are; paths are relative to `base`. Runs of scenes with the same
+/// hash can be compared.
 #[must_use]
 pub fn identity(scene: &Scene, base: &Path) -> String {
-    const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
+    const TABLES: [&str; 7] = [
+        "[catenary.mesh]",
+        "[coupling]",
+        "[solver]",
+        "[model]",
+        "[measurement]",
+        "[assessment]",
+        "[[assessment.limit]]",
+    ];
     const KEYS: [(&str, &str); 5] = [
         ("", "title"),
         ("", "source"),

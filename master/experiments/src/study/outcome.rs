@@ -9,9 +9,9 @@ use super::reference::Discretisation;
 use super::run_spec::Family;
 use super::text::known_to;
 use super::vehicle::VehicleVariantName;
-use crate::engine::Machine;
 use crate::engine::table::{AUTO, Cell as _, Columns, RunRow, milliseconds};
 use crate::engine::{Sheet, Table};
+use results::Machine;
 use results::report::Page;
 
 /// A study, complete or not.

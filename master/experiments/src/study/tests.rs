@@ -196,6 +196,8 @@ fn what_a_run_spec_changes_does_not_make_another_scene() {
         "model.reduce=none",
         "run.duration=1.8",
         "title=another",
+        "measurement={ strip_mass = 3.0 }",
+        "assessment={ editions = [\"EN 50367:2012\"] }",
     ] {
         assert_eq!(identity(key), own, "{key}");
     }

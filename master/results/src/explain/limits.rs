@@ -1,6 +1,6 @@
 //! Limits of standards in words: clause, figure and certainty over systems and speeds.
 
-use scene::{Assessment, Electrification};
+use scene::{Assessment, Electrification, LimitRow};
 use serde::Serialize;
 
 use crate::standards::{self, Bound, Certainty, Conditions, Figures, Limit, Line};
@@ -73,7 +73,7 @@ impl LimitText {
 }
 
 /// Limits that a run of usual figures is held against, of a system at a speed.
-fn of_run(system: Electrification, speed_kmh: f64, assessment: &Assessment) -> Vec<Limit> {
+fn of_run((system, speed_kmh, pantographs): (Electrification, f64, usize), assessment: &Assessment) -> Vec<Limit> {
     let line = Line {
         electrification: Some(system),
         wave_speed: Some(120.0),
@@ -96,8 +96,14 @@ fn of_run(system: Electrification, speed_kmh: f64, assessment: &Assessment) -> V
         section: 120.0,
         longest_span: Some(60.0),
     };
-    let at_rest = standards::limits_at_rest(&line, (conditions.speed, 1), (Some(1e-3), Some(1e-3)), assessment);
-    let mut all = standards::limits(&conditions, &[figures], assessment);
+    let at_rest = standards::limits_at_rest(
+        &line,
+        (conditions.speed, pantographs),
+        (Some(1e-3), Some(1e-3)),
+        assessment,
+    );
+    let mut all = standards::limits(&conditions, &vec![figures; pantographs], assessment);
+    all.retain(|limit| limit.pantograph.unwrap_or(1) == 1);
     // The ratio of speeds is among both.
     let more = at_rest.into_iter().filter(|limit| {
         let same = |other: &Limit| other.standard == limit.standard && other.quantity == limit.quantity;
@@ -108,8 +114,8 @@ fn of_run(system: Electrification, speed_kmh: f64, assessment: &Assessment) -> V
     all
 }
 
-/// Bound and figure of a limit; a formula where the remark begins with one.
-fn figure(limit: &Limit) -> Option<String> {
+/// Bound and figure of a limit; a formula where the remark begins with one, or where a `factor` makes it one.
+fn figure(limit: &Limit, has_factor: bool) -> Option<String> {
     let value = limit.limit.filter(|_| limit.applicable)?;
     let sign = limit.bound.sign();
     let formula = limit
@@ -120,8 +126,9 @@ fn figure(limit: &Limit) -> Option<String> {
     Some(match (formula, limit.quantity.as_str()) {
         (Some(formula), _) => format!("{sign} {formula}"),
         // Figures of the run itself.
-        (None, "std") => format!("{sign} {}", limit.remark),
-        (None, "free_uplift" | "control_section") => format!("{sign} {}", limit.remark),
+        (None, "std" | "free_uplift" | "control_section") if limit.source.is_none() || has_factor => {
+            format!("{sign} {}", limit.remark)
+        }
         _ if limit.bound == Bound::Equal || limit.unit != "m" => {
             format!("{sign} {} {}", (1e4 * value).round() / 1e4, limit.unit)
         }
@@ -150,9 +157,17 @@ pub fn limits(assessment: &Assessment) -> Vec<LimitText> {
     // Cases of each limit in turn.
     let mut cases: Vec<Vec<FigureCases>> = Vec::new();
     let speeds = speeds(assessment);
+    // Numbers of pantographs at which another row may hold.
+    let fewest = assessment.limits.iter().filter_map(|row| Some(row.pantographs?[0]));
+    let mut counts: Vec<usize> = std::iter::once(1).chain(fewest).collect();
+    counts.sort_unstable();
+    counts.dedup();
     for &speed in &speeds {
         for system in Electrification::ALL {
-            for limit in of_run(*system, speed, assessment) {
+            for limit in counts
+                .iter()
+                .flat_map(|count| of_run((*system, speed, *count), assessment))
+            {
                 let known =
                     (all.iter()).position(|text| text.standard == limit.standard && text.quantity == limit.quantity);
                 let index = known.unwrap_or_else(|| {
@@ -167,9 +182,18 @@ pub fn limits(assessment: &Assessment) -> Vec<LimitText> {
                     cases.push(Vec::new());
                     all.len() - 1
                 });
-                let Some(figure) = figure(&limit) else { continue };
+                let of_limit = |row: &&LimitRow| row.name() == limit.standard && row.quantity.name() == limit.quantity;
+                let has_factor = assessment
+                    .limits
+                    .iter()
+                    .find(of_limit)
+                    .is_some_and(|row| row.factor.is_some());
+                let Some(figure) = figure(&limit, has_factor) else {
+                    continue;
+                };
                 let same = |(other, certainty, _): &&mut FigureCases| *other == figure && *certainty == limit.certainty;
                 match cases[index].iter_mut().find(same) {
+                    Some((_, _, of)) if of.last() == Some(&(*system, speed)) => {}
                     Some((_, _, of)) => of.push((*system, speed)),
                     None => cases[index].push((figure, limit.certainty, vec![(*system, speed)])),
                 }

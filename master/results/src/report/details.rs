@@ -191,16 +191,30 @@ pub(super) fn measured(runs: &[NamedRun<'_>]) -> String {
         "measured",
     );
     let mut html = table(title, &of_heads, entries, &columns);
-    if let Some(measured) = of_heads.iter().find_map(|head| head.pantograph.measured.as_ref()) {
+    let mut said: Vec<(String, String)> = Vec::new();
+    for head in &of_heads {
+        let Some(measured) = &head.pantograph.measured else {
+            continue;
+        };
         let gains = measured
             .gains
             .iter()
             .map(|gain| format!("{:.3} at {} Hz", gain.gain, gain.frequency_hz));
-        html.push_str(&format!(
+        let gains = gains.collect::<Vec<_>>().join(", ");
+        if said.iter().all(|(_, other)| *other != gains) {
+            said.push((head.name.clone(), gains));
+        }
+    }
+    if !said.is_empty() {
+        html.push_str(
             "<p class=\"caption\">F = Σ F<sub>cell</sub> + Σ m a, with the instruments of [measurement]. Measured over \
-             true force of a head held still: {}.</p>\n",
-            gains.collect::<Vec<_>>().join(", ")
-        ));
+             true force of a head held still:</p>\n",
+        );
+    }
+    let several = said.len() > 1;
+    for (name, gains) in said {
+        let name = if several { format!("{name}: ") } else { String::new() };
+        html.push_str(&format!("<p class=\"caption\">{name}{gains}.</p>\n"));
     }
     html
 }

@@ -86,9 +86,12 @@ pub(super) fn reservations(limits: &[Limit]) -> Vec<String> {
     };
     let decided = || limits.iter().filter(|limit| limit.pass.is_some());
     let close: Vec<&Limit> = decided().filter(|limit| limit.is_close()).collect();
-    let remembered: Vec<&Limit> = decided()
-        .filter(|limit| limit.certainty == Certainty::Remembered)
-        .collect();
+    // Rows of the user's own are for the user to answer for.
+    let known = |certainty| -> Vec<&Limit> {
+        let own = |limit: &&Limit| limit.certainty == certainty && limit.source.is_none();
+        decided().filter(own).collect()
+    };
+    let (remembered, chosen) = (known(Certainty::Remembered), known(Certainty::Chosen));
     let mut said = Vec::new();
     if !close.is_empty() {
         said.push(format!(
@@ -101,6 +104,12 @@ pub(super) fn reservations(limits: &[Limit]) -> Vec<String> {
             "Figures of these limits are remembered, not verified against the standard: {}. Enter those of your copy \
              under [assessment]",
             named(remembered)
+        ));
+    }
+    if !chosen.is_empty() {
+        said.push(format!(
+            "Chosen by this program, as no figure of the standard is known: {}",
+            named(chosen)
         ));
     }
     said

@@ -14,14 +14,26 @@ const SAMPLING: f64 = 200.0;
 /// The section that statistics are of. A measured one is kilometres long; no shortest length could be read anywhere, so
 /// that the rule is chosen here: the force repeats from span to span, and a part of a span is not representative.
 pub(super) fn control_section(figures: &Figures) -> Limit {
-    let section = Limit::new(QUOTED, "control_section", Some(figures.section), "m").chosen();
-    match figures.longest_span {
-        Some(span) => section
-            .bounded(Bound::AtLeast, (1.0 - ROUNDING) * span)
-            .because("chosen here: the longest span that is evaluated, at least once")
-            .remark("a measured section is kilometres long; enter the length of your edition under [assessment]"),
-        None => section.not_applicable("the spans of a supplied line are not known"),
+    const CHOSEN: (&str, &str, &str) = ("EN 50317", "2012", "no figure known");
+    let section = Limit::new(CHOSEN, "control_section", Some(figures.section), "m").chosen();
+    let (rule, least) = match figures.longest_span {
+        None => return section.not_applicable("the spans of a supplied line are not known"),
+        Some(span) => (
+            "chosen here: the longest span that is evaluated, at least once",
+            (1.0 - ROUNDING) * span,
+        ),
+    };
+    // A rule of this program decides nothing against a run.
+    if figures.section < least {
+        return section.because(format!(
+            "not decided: less than a span of {:.0} m is evaluated",
+            least / (1.0 - ROUNDING)
+        ));
     }
+    section
+        .bounded(Bound::AtLeast, least)
+        .because(rule)
+        .remark("a measured section is kilometres long; enter the length of your edition under [assessment]")
 }
 
 /// Band and sampling.

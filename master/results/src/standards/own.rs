@@ -8,36 +8,42 @@ use super::{Bound, Certainty, Limit, system_unknown};
 pub(super) type Case = (Option<Electrification>, f64, usize);
 
 /// The limits of the editions that count, those of `assessment` in the places of `known` ones, each decided.
+///
+/// A known limit stays where no row is for the case.
 pub(super) fn assessed(known: Vec<Limit>, assessment: &Assessment, case: Case) -> Vec<Limit> {
-    let mut all = known.clone();
-    for rows in by_limit(&assessment.limits) {
-        let first = rows[0];
-        let quantity = first.quantity.name();
-        let is_same = |limit: &Limit| limit.standard == first.name() && limit.quantity == quantity;
+    let counts = |edition: &str| assessment.editions.is_empty() || assessment.editions.iter().any(|own| own == edition);
+    let mut all: Vec<Limit> = known
+        .iter()
+        .filter(|limit| counts(&limit.edition_name()))
+        .cloned()
+        .collect();
+    let rows = assessment.limits.iter().filter(|row| counts(&row.standard));
+    for rows in by_limit(rows) {
+        let (standard, quantity) = (rows[0].name(), rows[0].quantity.name());
         let mut entered: Vec<Limit> = Vec::new();
         for of in known.iter().filter(|limit| limit.quantity == quantity) {
             if entered.iter().all(|limit| limit.pantograph != of.pantograph) {
                 entered.push(limit(&rows, of, &known, (assessment, case)));
             }
         }
+        let holds = rows.iter().any(|row| beside(row, case).is_none());
         for limit in entered {
-            let place = all
-                .iter()
-                .position(|other| is_same(other) && other.pantograph == limit.pantograph);
-            match place {
-                Some(place) => all[place] = limit,
+            let same = |other: &Limit| {
+                other.standard == standard && other.quantity == quantity && other.pantograph == limit.pantograph
+            };
+            match all.iter().position(same) {
+                Some(place) if holds => all[place] = limit,
+                Some(_) => {}
                 None => all.push(limit),
             }
         }
     }
-    let counts = |limit: &Limit| assessment.editions.is_empty() || assessment.editions.contains(&limit.edition_name());
-    all.retain(counts);
     all.iter_mut().for_each(Limit::decide);
     all
 }
 
 /// Rows of the same standard and quantity together, in the order in which they stand.
-fn by_limit(rows: &[LimitRow]) -> Vec<Vec<&LimitRow>> {
+fn by_limit<'a>(rows: impl Iterator<Item = &'a LimitRow>) -> Vec<Vec<&'a LimitRow>> {
     let mut groups: Vec<Vec<&LimitRow>> = Vec::new();
     for row in rows {
         let same = |group: &&mut Vec<&LimitRow>| group[0].name() == row.name() && group[0].quantity == row.quantity;
@@ -91,25 +97,23 @@ fn limit(rows: &[&LimitRow], of: &Limit, known: &[Limit], (assessment, case): (&
         Some(factor) => reference(&of.quantity, of.pantograph, known).map(|value| factor * value),
     };
     limit.limit = reference.map(|part| constant + part);
-    let formula = match (row.factor, row.quantity.reference()) {
-        (Some(factor), Some(name)) => format!("{factor} times {name}"),
-        _ if row.speed_squared != 0.0 => {
-            format!(
-                "{} v² + {} {} at v = {speed:.1} km/h",
-                row.speed_squared,
-                row.value.unwrap_or(0.0),
-                of.unit
-            )
-        }
-        _ => String::new(),
-    };
-    limit.because(source).remark(
-        [row.text.clone().unwrap_or_default(), formula]
-            .into_iter()
-            .filter(|text| !text.is_empty())
-            .collect::<Vec<_>>()
-            .join("; "),
-    )
+    let parts = [
+        (row.speed_squared != 0.0).then(|| format!("{} v²", row.speed_squared)),
+        row.value
+            .filter(|value| *value != 0.0)
+            .map(|value| format!("{value} {}", of.unit)),
+        row.factor
+            .zip(row.quantity.reference())
+            .map(|(factor, name)| format!("{factor} times {name}")),
+    ];
+    let mut formula = parts.into_iter().flatten().collect::<Vec<_>>().join(" + ");
+    if row.speed_squared != 0.0 {
+        formula.push_str(&format!(" at v = {speed:.1} km/h"));
+    }
+    // A number alone stands in its column.
+    let formula = Some(formula).filter(|_| row.speed_squared != 0.0 || row.factor.is_some());
+    let said = row.text.clone().into_iter().chain(formula).collect::<Vec<_>>();
+    limit.because(source).remark(said.join("; "))
 }
 
 /// Value that a factor multiplies: mean force for the standard deviation, uplift for the space that it needs.
@@ -141,5 +145,6 @@ fn bound(bound: LimitBound) -> Bound {
         LimitBound::Below => Bound::Below,
         LimitBound::AtLeast => Bound::AtLeast,
         LimitBound::Above => Bound::Above,
+        LimitBound::Equal => Bound::Equal,
     }
 }

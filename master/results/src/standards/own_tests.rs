@@ -1,6 +1,7 @@
 use scene::Electrification::{self, Ac25Kv, Dc3Kv};
 use scene::{Assessment, Scene};
 
+use super::tests::{conditions, figures};
 use super::*;
 
 /// An assessment as it is typed behind a scene.
@@ -49,32 +50,9 @@ quantity = "min"
 value = 20.0
 "#;
 
-fn conditions(system: Option<Electrification>, speed_kmh: f64) -> Conditions {
-    Conditions {
-        line: Line {
-            electrification: system,
-            wave_speed: Some(120.0),
-            free_uplift: Some(0.12),
-            uplift_stop: false,
-        },
-        speed: speed_kmh / 3.6,
-        low_pass_hz: 20.0,
-        filter: Filter::ZeroPhase,
-        output_step: 1e-3,
-        uplift: Some(0.05),
-    }
-}
-
 /// Mean 100 N, σ 20 N.
-fn figures() -> Figures {
-    Figures {
-        force: ForceStatistics::of(&[80.0, 120.0]),
-        vertical_amplitude: Some(0.02),
-        loss_of_contact: Some(0.0),
-        arcing: Some(0.0),
-        section: 120.0,
-        longest_span: Some(60.0),
-    }
+fn usual() -> Figures {
+    figures(&[80.0, 120.0], 0.02)
 }
 
 fn found(all: &[Limit], standard: &str, quantity: &str) -> Vec<Limit> {
@@ -91,7 +69,7 @@ fn rows_of_the_user_stand_in_place_of_the_limits_of_the_same_standard_and_quanti
         (200.0, 111.0, Certainty::Standard),
         (250.0, 133.5, Certainty::Remembered),
     ] {
-        let all = limits(&conditions(Some(Ac25Kv), speed), &[figures()], &own);
+        let all = limits(&conditions(Some(Ac25Kv), speed), &[usual()], &own);
         let [mean] = &found(&all, "EN 50367", "mean")[..] else {
             panic!()
         };
@@ -104,7 +82,7 @@ fn rows_of_the_user_stand_in_place_of_the_limits_of_the_same_standard_and_quanti
         assert_eq!((mean.source.as_deref(), mean.certainty), (Some("own copy"), certainty));
         assert_eq!((mean.pass, mean.pantograph), (Some(100.0 <= expected), Some(1)));
         // Other quantities are those that the program knows.
-        let known = limits(&conditions(Some(Ac25Kv), speed), &[figures()], &Assessment::default());
+        let known = limits(&conditions(Some(Ac25Kv), speed), &[usual()], &Assessment::default());
         assert_eq!(
             found(&all, "EN 50367", "mean_lower"),
             found(&known, "EN 50367", "mean_lower")
@@ -117,9 +95,9 @@ fn rows_of_the_user_stand_in_place_of_the_limits_of_the_same_standard_and_quanti
 fn a_factor_multiplies_the_mean_of_the_same_pantograph_or_the_uplift() {
     let more = Figures {
         force: ForceStatistics::of(&[120.0, 180.0]),
-        ..figures()
+        ..usual()
     };
-    let all = limits(&conditions(Some(Ac25Kv), 250.0), &[figures(), more], &typed(OWN));
+    let all = limits(&conditions(Some(Ac25Kv), 250.0), &[usual(), more], &typed(OWN));
     let std = found(&all, "EN 50367", "std");
     let limits_of: Vec<(Option<f64>, Option<bool>)> = std.iter().map(|limit| (limit.limit, limit.pass)).collect();
     // 0.25 · 100 N over σ = 20 N; 0.25 · 150 N over σ = 30 N.
@@ -132,7 +110,9 @@ fn a_factor_multiplies_the_mean_of_the_same_pantograph_or_the_uplift() {
 
     let space = "[[assessment.limit]]\nstandard = \"EN 50119:2020\"\nclause = \"5\"\nquantity = \"free_uplift\"\n\
                  factor = 3.0";
-    let all = limits(&conditions(None, 250.0), &[figures()], &typed(space));
+    let mut with_space = conditions(None, 250.0);
+    with_space.line.free_uplift = Some(0.12);
+    let all = limits(&with_space, &[usual()], &typed(space));
     let [space] = &found(&all, "EN 50119", "free_uplift")[..] else {
         panic!()
     };
@@ -141,28 +121,65 @@ fn a_factor_multiplies_the_mean_of_the_same_pantograph_or_the_uplift() {
 }
 
 #[test]
-fn a_row_for_another_case_leaves_the_limit_undecided_with_the_reason() {
+fn where_no_row_is_for_the_case_what_the_program_knows_stays_and_a_standard_of_its_own_is_undecided() {
     let own = typed(OWN);
-    for (system, count, quantity, reason) in [
-        (Some(Dc3Kv), 1, "mean", "none of the 2 rows of own copy"),
-        (None, 1, "mean", "none of the 2 rows"),
-        (Some(Ac25Kv), 1, "std", "another number of pantographs"),
+    for (system, quantity) in [(Some(Dc3Kv), "mean"), (None, "mean"), (Some(Ac25Kv), "std")] {
+        let conditions = conditions(system, 250.0);
+        let [all, known] = [&own, &Assessment::default()].map(|of| limits(&conditions, &[usual()], of));
+        assert_eq!(
+            found(&all, "EN 50367", quantity),
+            found(&known, "EN 50367", quantity),
+            "{quantity}"
+        );
+    }
+    let slow = "[[assessment.limit]]\nstandard = \"Manual:1\"\nclause = \"1\"\nquantity = \"max\"\nvalue = 1.0\n\
+                up_to_kmh = 100";
+    let all = limits(&conditions(None, 250.0), &[usual()], &typed(slow));
+    let [max] = &found(&all, "Manual", "max")[..] else {
+        panic!()
+    };
+    assert_eq!((max.applicable, max.pass, max.limit), (false, None, None));
+    assert!(max.reason.contains("is for other speeds"), "{}", max.reason);
+}
+
+#[test]
+fn rows_of_an_edition_that_does_not_count_replace_nothing() {
+    // Known: 70 + 0.00097 v² = 130.6 N at 250 km/h.
+    for (editions, edition, expected) in [
+        ("[\"EN 50367:2012\"]", "2012", 130.625),
+        ("[\"EN 50367:2020\"]", "2020", 133.5),
     ] {
-        let all = limits(&conditions(system, 250.0), &vec![figures(); count], &own);
-        for limit in found(&all, "EN 50367", quantity) {
-            assert_eq!(
-                (limit.applicable, limit.pass, limit.limit),
-                (false, None, None),
-                "{quantity}"
-            );
-            assert!(limit.reason.contains(reason), "{}", limit.reason);
+        let text = OWN.replace("source =", &format!("editions = {editions}\nsource ="));
+        let all = limits(&conditions(Some(Ac25Kv), 250.0), &[usual()], &typed(&text));
+        let [mean] = &found(&all, "EN 50367", "mean")[..] else {
+            panic!()
+        };
+        assert_eq!(mean.edition, edition);
+        assert!((mean.limit.unwrap() - expected).abs() < 1e-9); // rounding of km/h
+    }
+}
+
+#[test]
+fn the_shipped_file_of_rows_decides_as_the_program_does() {
+    let rows: String = include_str!("../../../../standards/limits.toml").replace("[[limit]]", "[[assessment.limit]]");
+    let own = typed(&format!("[assessment]\n{rows}"));
+    for system in Electrification::ALL.iter().copied().map(Some).chain([None]) {
+        for speed in [100.0, 160.0, 200.0, 200.5, 250.0, 320.0] {
+            let conditions = conditions(system, speed);
+            let [all, known] = [&own, &Assessment::default()].map(|of| limits(&conditions, &[usual()], of));
+            let decided = |limits: &[Limit]| -> Vec<(String, Option<bool>, Option<f64>)> {
+                let rounded = |limit: f64| (1e9 * limit).round() / 1e9; // order of the sum
+                let of = |limit: &Limit| (limit.quantity.clone(), limit.pass, limit.limit.map(rounded));
+                limits.iter().map(of).collect()
+            };
+            assert_eq!(decided(&all), decided(&known), "{system:?} {speed}");
         }
     }
 }
 
 #[test]
 fn a_standard_that_the_program_does_not_know_is_added() {
-    let all = limits(&conditions(None, 250.0), &[figures(), figures()], &typed(OWN));
+    let all = limits(&conditions(None, 250.0), &[usual(), usual()], &typed(OWN));
     let own = found(&all, "Line manual", "min");
     assert_eq!(own.len(), 2);
     assert!(
@@ -175,7 +192,7 @@ fn a_standard_that_the_program_does_not_know_is_added() {
 
 #[test]
 fn editions_choose_among_limits_and_those_of_the_program_are_the_ones_a_scene_may_name() {
-    let known = limits(&conditions(Some(Ac25Kv), 250.0), &[figures()], &Assessment::default());
+    let known = limits(&conditions(Some(Ac25Kv), 250.0), &[usual()], &Assessment::default());
     let at_rest = limits_at_rest(
         &conditions(None, 250.0).line,
         (60.0, 1),
@@ -193,7 +210,7 @@ fn editions_choose_among_limits_and_those_of_the_program_are_the_ones_a_scene_ma
         );
     }
     let only = typed("[assessment]\neditions = [\"EN 50367:2012\", \"TSI ENE:2014\"]");
-    let all = limits(&conditions(Some(Ac25Kv), 250.0), &[figures()], &only);
+    let all = limits(&conditions(Some(Ac25Kv), 250.0), &[usual()], &only);
     let quantities: Vec<&str> = all.iter().map(|limit| limit.quantity.as_str()).collect();
     assert_eq!(quantities, ["mean", "mean_lower", "arcing"]);
 }

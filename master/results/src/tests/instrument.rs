@@ -1,6 +1,6 @@
 //! Measured force against closed forms.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::{Bending, Instrument, StripRecord, WindRecord};
 
@@ -18,7 +18,7 @@ fn bends() -> Instrument {
     Instrument {
         bending: Some(Bending {
             frequency_hz: 60.0,
-            mass_kg: 2.0,
+            mass_kg: 4.0,
             damping_ratio: 0.02,
         }),
         ..rigid()
@@ -65,11 +65,12 @@ fn a_strip_that_bends_shows_the_gain_of_an_oscillator() {
     for frequency in [2.0, 10.0, 20.0, 45.0] {
         let measured = bends().measured(&head(frequency, 0.0), STEP);
         let (amplitude, phase) = tone(&measured, frequency);
-        // k + i c ω over k + i c ω − m ω², by r = ω/ω₀: 1 + 2iζr over 1 − r² + 2iζr.
-        let (ratio, damping) = (frequency / 60.0, 0.02);
+        // 1 + (4/π) r²/(1 − r² + 2iζr), as sum of real and imaginary parts.
+        let (ratio, damping): (f64, f64) = (frequency / 60.0, 0.02);
         let (re, im) = (1.0 - ratio * ratio, 2.0 * damping * ratio);
-        let gain = 1.0_f64.hypot(im) / re.hypot(im);
-        let lag = im.atan2(1.0) - im.atan2(re);
+        let excess = 4.0 / PI * ratio * ratio / (re * re + im * im);
+        let (real, imaginary) = (1.0 + excess * re, -excess * im);
+        let (gain, lag) = (real.hypot(imaginary), imaginary.atan2(real));
         // The mode sees the force as straight lines between samples: (ω h)²/12 of a sine is missing.
         let straight = (TAU * frequency * STEP).powi(2) / 12.0 + 1e-6;
         assert!(
@@ -82,19 +83,32 @@ fn a_strip_that_bends_shows_the_gain_of_an_oscillator() {
         );
         assert!((bends().bending.unwrap().gain_at(frequency) / gain - 1.0).abs() < 1e-12);
     }
+    // Whole beam, ½ (1/cos b + 1/cosh b): modes above the first add little below a third of f₀.
+    for frequency in [2.0, 10.0, 20.0_f64] {
+        let b = 0.5 * PI * (frequency / 60.0).sqrt();
+        let beam = 0.5 * (1.0 / b.cos() + 1.0 / b.cosh());
+        let mode = Bending {
+            damping_ratio: 0.0,
+            ..bends().bending.unwrap()
+        }
+        .gain_at(frequency);
+        assert!((mode / beam - 1.0).abs() < 1e-3, "{frequency} Hz: {mode} {beam}");
+    }
 }
 
 #[test]
 fn motion_of_a_bending_strip_is_seen_as_force_and_that_of_a_rigid_one_is_not() {
-    // Without force the middle follows the ends: m_b ü = −m_b a r²/(1 − r²) off resonance, with r = 10/60.
+    // Without force: ü = (4/π) r²/(1 − r²) a off resonance, with r = 10/60, and 2/π m_b ü on the cells.
     let mut head = head(10.0, 0.002);
     head.force.iter_mut().for_each(|force| *force = 0.0);
-    let (seen, _) = tone(&bends().measured(&head, STEP), 10.0);
+    let (seen, phase) = tone(&bends().measured(&head, STEP), 10.0);
     let acceleration = 0.002 * (TAU * 10.0_f64).powi(2);
     let ratio: f64 = 10.0 / 60.0;
-    let expected = 2.0 * acceleration * ratio.powi(2) / (1.0 - ratio.powi(2));
+    let expected = 2.0 / PI * 4.0 * 4.0 / PI * acceleration * ratio.powi(2) / (1.0 - ratio.powi(2));
     // Damping of 2 % and the central difference of the acceleration, (ω h)²/6.
-    assert!((seen / expected - 1.0).abs() < 3e-2, "{seen} {expected}");
+    assert!((seen / expected - 1.0).abs() < 2e-3, "{seen} {expected}");
+    // −sin(2π f t + 1) is the acceleration: in phase with it.
+    assert!((phase - (1.0 - PI)).abs() < 0.02, "{phase}");
     let (seen, _) = tone(&rigid().measured(&head, STEP), 10.0);
     assert!(seen < 1e-12);
 }
@@ -111,8 +125,10 @@ fn errors_of_mass_and_cells_and_a_lift_without_correction_show_as_they_must() {
         .collect();
     // 0.1 · 4 kg · 0.01 m · (2π 5 Hz)²
     let expected = 0.1 * 4.0 * 0.01 * (TAU * 5.0_f64).powi(2);
-    let (seen, _) = tone(&difference, 5.0);
+    let (seen, phase) = tone(&difference, 5.0);
     assert!((seen / expected - 1.0).abs() < 2e-4, "{seen} {expected}"); // central difference: (ω h)²/6
+    // −m a with a = −(2π f)² z: in phase with the height.
+    assert!((phase - 1.0).abs() < 1e-5, "{phase}"); // ends of the record
     let gain = Instrument {
         cell_error: 0.02,
         ..rigid()

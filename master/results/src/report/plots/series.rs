@@ -98,6 +98,11 @@ pub(super) fn force(curves: &[Curve]) -> String {
         .show_grid(false);
     let y_axis = axis("contact force [N]").range_mode(RangeMode::ToZero);
     let mut layout = layout(x_axis, if drawn { y_axis.domain(&[0.0, 0.68]) } else { y_axis });
+    let above = if drawn {
+        "Above: the line at the start of the run, heights enlarged. "
+    } else {
+        ""
+    };
     if drawn {
         let heights = axis("height [m]").zero_line(false).domain(&[0.74, 1.0]);
         layout = layout.y_axis2(heights);
@@ -106,9 +111,10 @@ pub(super) fn force(curves: &[Curve]) -> String {
         raw,
         layout.shapes(shapes).annotations(notes),
         ("plot-force", if drawn { 540 } else { 420 }),
-        "Above: the line at the start of the run, heights enlarged. Dotted lines: supports with their numbers. Ticks \
-         along the axis: droppers. Shaded: evaluation range. In all plots: drag to zoom, double-click to go back, \
-         click in the legend to switch a curve.",
+        &format!(
+            "{above}Dotted lines: supports with their numbers. Ticks along the axis: droppers. Shaded: evaluation \
+             range. In all plots: drag to zoom, double-click to go back, click in the legend to switch a curve."
+        ),
     )
 }
 
@@ -190,7 +196,7 @@ pub(super) fn difference(curves: &[Curve]) -> String {
         traces,
         layout(x_axis, axis("difference of the filtered force [N]")),
         ("plot-difference", 300),
-        "Filtered force less that of the first run at the same place, for the same pantograph.",
+        "Filtered force less that of the first run that has the same pantograph, at the same place.",
     )
 }
 
