@@ -67,8 +67,8 @@ fn table(run: &Run, index: usize) -> String {
             .collect();
         cell("", found.figure.name())
             + &cell("s", &format!("<b class=\"{class}\">{word}</b>"))
-            + &cell("n", &number(found.range.map(|range| range.0), 1))
-            + &cell("n", &number(found.range.map(|range| range.1), 1))
+            + &cell("n", &number(found.low, 1))
+            + &cell("n", &number(found.high, 1))
             + &values
             + &cell("", found.unit)
     });

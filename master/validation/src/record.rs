@@ -74,8 +74,10 @@ pub struct Found {
     pub figure: Figure,
     /// Unit.
     pub unit: &'static str,
-    /// Least and largest value; absent where no range is known.
-    pub range: Option<(f64, f64)>,
+    /// Least value; absent where no range is known.
+    pub low: Option<f64>,
+    /// Largest value, likewise.
+    pub high: Option<f64>,
     /// Value in each mode.
     pub values: Vec<ModeFigures>,
     /// True where all lie in the range; absent without one.
@@ -241,7 +243,8 @@ fn found(figure: Figure, range: Option<(f64, f64)>, pantograph: usize, made: &[(
     Found {
         figure,
         unit: figure.unit(),
-        range,
+        low: range.map(|(low, _)| low),
+        high: range.map(|(_, high)| high),
         pass: range.map(inside),
         values,
     }
@@ -320,7 +323,8 @@ impl Record {
                     found.figure.name(),
                     values.collect::<Vec<_>>().join(", "),
                     found
-                        .range
+                        .low
+                        .zip(found.high)
                         .map_or_else(|| "–".to_owned(), |(low, high)| format!("{low} to {high}")),
                     found.unit,
                     verdict(found.pass)
