@@ -30,10 +30,10 @@ pub(super) fn control_section(figures: &Figures) -> Limit {
             least / (1.0 - ROUNDING)
         ));
     }
-    section
-        .bounded(Bound::AtLeast, least)
-        .because(rule)
-        .remark("a measured section is kilometres long; enter the length of your edition under [assessment]")
+    section.bounded(Bound::AtLeast, least).because(rule).remark(
+        "the longest span that is evaluated; a measured section is kilometres long: enter the length of your \
+             edition under [assessment]",
+    )
 }
 
 /// Band and sampling.
