@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use integration_tests::runs::{EN_300, Run, run, scene_with};
+use integration_tests::runs::{EN_300, Run, rms, run, scene_with};
 use simulation::Mode;
 
 /// Pantograph of EN 50318:2002: kg, N/m, N s/m.
@@ -62,9 +62,8 @@ fn difference(run: &Run, truth: &[f64], other: &[f64]) -> f64 {
     let evaluation = &run.summary.evaluation;
     let range = evaluation.samples(&run.record.time, 0);
     let [truth, other] = [truth, other].map(|force| evaluation.filtered(force).unwrap()[range.clone()].to_vec());
-    let square: f64 = truth.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum();
     let std = run.summary.pantographs[0].contact_force.filtered.unwrap().std;
-    100.0 * (square / truth.len() as f64).sqrt() / std
+    100.0 * rms(&truth, &other) / std
 }
 
 #[test]

@@ -142,8 +142,8 @@ impl SystemGroup {
     pub fn holds(self, system: Electrification) -> bool {
         use Electrification::{Ac15Kv, Ac25Kv, Dc1_5Kv, Dc3Kv};
         match self {
-            Self::Ac => matches!(system, Ac25Kv | Ac15Kv),
-            Self::Dc => matches!(system, Dc3Kv | Dc1_5Kv),
+            Self::Ac => system.is_alternating(),
+            Self::Dc => !system.is_alternating(),
             Self::Ac25Kv => system == Ac25Kv,
             Self::Ac15Kv => system == Ac15Kv,
             Self::Dc3Kv => system == Dc3Kv,

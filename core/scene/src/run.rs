@@ -83,6 +83,14 @@ choice! {
     unavailable: []
 }
 
+impl Electrification {
+    /// True for alternating current.
+    #[must_use]
+    pub const fn is_alternating(self) -> bool {
+        matches!(self, Self::Ac25Kv | Self::Ac15Kv)
+    }
+}
+
 choice! {
     /// `run.filter`: the low-pass filter of the contact force.
     pub enum ForceFilter {

@@ -26,14 +26,19 @@ fn scene(name: &str) -> String {
     scenes.join(format!("{name}.toml")).display().to_string()
 }
 
-/// Runs the program into a folder and reads the page.
-fn page(arguments: &[&str], keys: &[&str], folder: &Path, name: &str) -> String {
+/// The program with these arguments and keys, into a folder.
+fn program(arguments: &[&str], keys: &[&str], folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_master"));
     command.args(arguments).arg("-q").arg("--out").arg(folder);
     for key in keys {
         command.args(["--set", key]);
     }
-    let output = command.output().unwrap();
+    command
+}
+
+/// Runs the program into a folder and reads the page.
+fn page(arguments: &[&str], keys: &[&str], folder: &Path, name: &str) -> String {
+    let output = program(arguments, keys, folder).output().unwrap();
     assert!(
         output.status.success(),
         "{arguments:?}: {}",
@@ -152,12 +157,7 @@ fn pages_of_sensitivity_and_validation_are_sound() {
 
 /// Begins an experiment that takes minutes, ends it when so many runs are kept, and reads its page.
 fn ended(arguments: &[&str], keys: &[&str], folder: &Path, (kept, least): (&str, usize), name: &str) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_master"));
-    command.args(arguments).arg("-q").arg("--out").arg(folder);
-    for key in keys {
-        command.args(["--set", key]);
-    }
-    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    let mut child = program(arguments, keys, folder).stderr(Stdio::null()).spawn().unwrap();
     // Many times what these runs take on a slow machine.
     let last = Instant::now() + Duration::from_secs(300);
     let runs = || std::fs::read_dir(folder.join(kept)).map_or(0, Iterator::count);

@@ -310,27 +310,26 @@ impl Summary {
     #[must_use]
     pub fn new(info: &RunInfo, record: &Record) -> Self {
         let detail = |index: usize, filtered: &[f64]| {
-            let range = info.evaluation.samples(&record.time, index);
+            let (evaluation, time) = (&info.evaluation, &record.time);
             let strip = &record.pantographs[index];
-            Detail::of(
-                (strip, filtered),
-                &range,
-                &info.evaluation,
-                (&record.time, &record.line),
-            )
+            let range = evaluation.samples(time, index);
+            let measured = (info.instrument.as_ref())
+                .and_then(|instrument| instrument.figures((index, strip), filtered, evaluation, time));
+            let detail = Detail::of((strip, filtered), &range, evaluation, (time, &record.line));
+            (detail, measured)
         };
         Self::with(info, record, detail)
     }
 
-    /// As [`Summary::new`] without [`Detail`], which takes several filters: for one of many runs, of which nobody opens
-    /// a page.
+    /// As [`Summary::new`] without [`Detail`] and [`Measured`], which take several filters: for one of many runs, of
+    /// which nobody opens a page.
     #[must_use]
     pub fn without_detail(info: &RunInfo, record: &Record) -> Self {
-        Self::with(info, record, |_, _| Detail::default())
+        Self::with(info, record, |_, _| (Detail::default(), None))
     }
 
-    /// The summary with the detail of each pantograph (from 0) by its filtered force.
-    fn with(info: &RunInfo, record: &Record, detail: impl Fn(usize, &[f64]) -> Detail) -> Self {
+    /// The summary with the detail and the measured force of each pantograph (from 0) by its filtered force.
+    fn with(info: &RunInfo, record: &Record, in_detail: impl Fn(usize, &[f64]) -> (Detail, Option<Measured>)) -> Self {
         let mut notes = info.notes.clone();
         let mut figures = Vec::new();
         let mut pantographs = Vec::new();
@@ -348,6 +347,7 @@ impl Summary {
                 // The filter runs over the whole record and carries the defect everywhere.
                 notes.push(format!("pantograph {}: the contact force is not finite", i + 1));
             }
+            let (detail, measured) = in_detail(i, &force);
             let summary = PantographSummary {
                 contact_force: ContactForceSummary {
                     filtered,
@@ -368,9 +368,8 @@ impl Summary {
                         }
                     })
                     .collect(),
-                measured: (info.instrument.as_ref())
-                    .and_then(|instrument| instrument.figures((i, strip), &force, &info.evaluation, &record.time)),
-                detail: detail(i, &force),
+                detail,
+                measured,
             };
             let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
             figures.push(Figures {
@@ -492,6 +491,14 @@ impl Evaluation {
     /// [`FilterError`] where the record is too short or the cut-off frequency not possible.
     pub fn filtered(&self, force: &[f64]) -> Result<Vec<f64>, FilterError> {
         self.filtered_by(self.filter, force)
+    }
+
+    /// Low-pass filtered `force` of pantograph `i` (from 0) inside its evaluation range, N; `None` where it cannot be
+    /// filtered, or the range reaches beyond it.
+    #[must_use]
+    pub fn evaluated(&self, time: &[f64], i: usize, force: &[f64]) -> Option<Vec<f64>> {
+        let filtered = self.filtered(force).ok()?;
+        filtered.get(self.samples(time, i)).map(<[f64]>::to_vec)
     }
 
     /// [`Evaluation::filtered`] by another filter.

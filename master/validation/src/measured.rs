@@ -6,8 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
-use results::report::plots::{axis, colour, curve, decades, figure, layout, rounded};
-use results::statistics::{ForceStatistics, bands, power_spectral_density};
+use results::report::plots::{axis, colour, decades, density, figure, layout};
+use results::statistics::{ForceStatistics, Spectrum, bands, power_spectral_density};
 use results::{Evaluation, Record as Series, Summary};
 use serde::{Deserialize, Serialize};
 
@@ -113,9 +113,9 @@ pub struct Measured {
     pub source: String,
     /// Figures.
     pub figures: Vec<Compared>,
-    /// Spectra of measured and computed force: frequency in Hz, density in N²/Hz.
+    /// Spectra of measured and computed force, N²/Hz.
     #[serde(skip)]
-    spectra: Vec<(&'static str, Vec<f64>, Vec<f64>)>,
+    spectra: Vec<(&'static str, Spectrum)>,
 }
 
 /// A series and the time between two of its samples, s.
@@ -200,10 +200,7 @@ impl MeasuredFiles {
                 ),
             ] {
                 if let Some(spectrum) = power_spectral_density(values, step) {
-                    let last = spectrum.frequency.partition_point(|frequency| *frequency <= HIGHEST);
-                    // The line at zero frequency has no place on a logarithmic axis.
-                    let of = |series: &[f64]| series[1..last.max(1)].to_vec();
-                    spectra.push((name, of(&spectrum.frequency), of(&spectrum.density)));
+                    spectra.push((name, spectrum));
                 }
             }
         }
@@ -245,17 +242,8 @@ impl MeasuredFiles {
 impl Measured {
     /// Spectra as a figure with this number in its id.
     pub(crate) fn figure(&self, number: usize) -> String {
-        let traces = self
-            .spectra
-            .iter()
-            .enumerate()
-            .map(|(index, (name, frequency, density))| {
-                let density = density
-                    .iter()
-                    .map(|value| format!("{value:.3e}").parse().unwrap_or(*value))
-                    .collect();
-                curve(rounded(frequency, 1e4), density, name, colour(index), 1.3)
-            });
+        let traces = self.spectra.iter().enumerate();
+        let traces = traces.map(|(index, (name, spectrum))| density(spectrum, HIGHEST, name, colour(index)));
         let axes = layout(axis("frequency [Hz]"), decades("density [N²/Hz]"));
         figure(
             traces.collect(),
@@ -294,15 +282,17 @@ fn figures(
 /// Reads a column of a CSV file beside `time_s` or `x_m`.
 fn read(folder: &Path, file: &Path, column: &str, evaluation: &Evaluation) -> Result<Sampled, String> {
     let name = file.display();
-    let text = std::fs::read_to_string(folder.join(file)).map_err(|error| format!("{name}: {error}"))?;
-    let mut lines = text.lines().enumerate().filter(|(_, line)| {
-        let line = line.trim();
-        !line.is_empty() && !line.starts_with('#')
-    });
-    let (_, header) = lines
-        .next()
-        .ok_or_else(|| format!("{name}: is empty: must begin with the names of its columns"))?;
-    let header: Vec<&str> = header.split(',').map(str::trim).collect();
+    let failed = |error: csv::Error| format!("{name}: {error}");
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_path(folder.join(file))
+        .map_err(failed)?;
+    let header: Vec<String> = reader.headers().map_err(failed)?.iter().map(str::to_owned).collect();
+    if header.is_empty() {
+        return Err(format!("{name}: is empty: must begin with the names of its columns"));
+    }
     let place = |wanted: &str| header.iter().position(|name| *name == wanted);
     let value = place(column).ok_or_else(|| {
         format!(
@@ -321,18 +311,13 @@ fn read(folder: &Path, file: &Path, column: &str, evaluation: &Evaluation) -> Re
         }
     };
     let (mut places, mut values) = (Vec::new(), Vec::new());
-    for (number, line) in lines {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+    for row in reader.records() {
+        let row = row.map_err(failed)?;
+        let line = row.position().map_or(0, csv::Position::line);
         let number_in = |index: usize| {
-            let cell = cells.get(index).copied().unwrap_or_default();
+            let cell = row.get(index).unwrap_or_default();
             let parsed = cell.parse::<f64>().ok().filter(|value| value.is_finite());
-            parsed.ok_or_else(|| {
-                format!(
-                    "{name}:{}: {} = {cell:?}: must be a finite number",
-                    number + 1,
-                    header[index]
-                )
-            })
+            parsed.ok_or_else(|| format!("{name}:{line}: {} = {cell:?}: must be a finite number", header[index]))
         };
         places.push(number_in(along)? / speed);
         values.push(number_in(value)?);

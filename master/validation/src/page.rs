@@ -1,20 +1,12 @@
 //! `validation.html`.
 
-use results::report::{Page, cell, escape, head_cells, saved};
+use results::report::{Page, cell, escape, head_cells, saved, verdict_class, verdict_word};
 
 use crate::measured::Measured;
-use crate::record::{Record, Run, verdict};
+use crate::record::{Record, Run};
 
 fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}").replace('-', "−"))
-}
-
-fn class(pass: Option<bool>) -> &'static str {
-    match pass {
-        Some(true) => "good",
-        Some(false) => "bad",
-        None => "soft",
-    }
 }
 
 /// Measured figures beside those of the run as one system, and spectra of both.
@@ -29,7 +21,7 @@ fn measured(measured: &Measured, number_of_case: usize) -> String {
         ("bound", "[%]", true),
     ];
     let lines = measured.figures.iter().map(|compared| {
-        let (class, word) = (class(compared.pass), verdict(compared.pass));
+        let (class, word) = (verdict_class(compared.pass), verdict_word(compared.pass));
         let mark = if compared.remembered { " [R]" } else { "" };
         let bound = compared
             .bound_percent
@@ -59,7 +51,7 @@ fn table(run: &Run, index: usize) -> String {
         .chain([("unit", false)]);
     let head = head_cells(head.map(|(name, is_number)| (name, "", is_number)));
     let lines = run.figures.iter().map(|found| {
-        let (class, word) = (class(found.pass), verdict(found.pass));
+        let (class, word) = (verdict_class(found.pass), verdict_word(found.pass));
         let values: String = found
             .values
             .iter()
@@ -107,7 +99,7 @@ impl Record {
     #[must_use]
     pub fn page(&self) -> String {
         let mut page = Page::new(&format!("Validation: {}", self.standard));
-        let class = class(self.pass);
+        let class = verdict_class(self.pass);
         page.lead(&format!(
             "<p>{} · Pantoline {} · {}</p>\n<p class=\"verdict {class}\">Verdict: {}</p>\n",
             escape(&self.standard),

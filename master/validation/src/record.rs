@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use component::Progress;
 use experiments::engine::store::{by_content, digest, program};
 use results::Machine;
+use results::report::verdict_word;
 use results::statistics::rms_difference;
 use results::{ErrorShare, Record as Series, Summary};
 use scene::Files;
@@ -256,9 +257,7 @@ fn difference(first: (&Summary, &Series), other: (&Summary, &Series), pantograph
     let index = pantograph.checked_sub(1)?;
     let filtered = |(summary, series): (&Summary, &Series)| {
         let force = &series.pantographs.get(index)?.force;
-        let range = summary.evaluation.samples(&series.time, index);
-        let filtered = summary.evaluation.filtered(force).ok()?;
-        Some(filtered.get(range)?.to_vec())
+        summary.evaluation.evaluated(&series.time, index, force)
     };
     let (first_force, other_force) = (filtered(first)?, filtered(other)?);
     let std = Figure::Std.of(first.0, pantograph).filter(|std| *std > 0.0)?;
@@ -277,15 +276,6 @@ impl Run {
     #[must_use]
     pub fn failed(&self) -> usize {
         self.verdicts().filter(|pass| *pass == Some(false)).count()
-    }
-}
-
-/// Verdict in a word; nothing where there is none.
-pub(crate) fn verdict(pass: Option<bool>) -> &'static str {
-    match pass {
-        Some(true) => "pass",
-        Some(false) => "FAIL",
-        None => "not decided",
     }
 }
 
@@ -327,7 +317,7 @@ impl Record {
                         .zip(found.high)
                         .map_or_else(|| "–".to_owned(), |(low, high)| format!("{low} to {high}")),
                     found.unit,
-                    verdict(found.pass)
+                    verdict_word(found.pass)
                 ));
             }
             for compared in case.measured.iter().flat_map(|measured| &measured.figures) {
@@ -341,7 +331,7 @@ impl Record {
                     compared
                         .bound_percent
                         .map_or_else(String::new, |bound| format!(" of ± {bound} %")),
-                    verdict(compared.pass)
+                    verdict_word(compared.pass)
                 ));
             }
             if let Some(percent) = case.expected_error_percent {

@@ -113,32 +113,41 @@ impl Keys<'_> {
 
     /// A list of true and false; `None` where it is left out.
     pub(crate) fn optional_flags(&mut self, name: &str, was: Option<&[bool]>) -> Option<Vec<bool>> {
-        if let Some(flags) = was {
-            self.push(
-                name,
-                Value::List(flags.iter().map(|flag| Value::Boolean(*flag).into()).collect()),
-            );
-            return Some(flags.to_vec());
+        let flag = |value: &Value| match value {
+            Value::Boolean(flag) => Some(*flag),
+            _ => None,
+        };
+        let texts = ("list of true and false", "a list of true and false");
+        self.optional_list(name, was, texts, |flag| Value::Boolean(*flag), flag)
+    }
+
+    /// A list of plain values, which `of` gives from a value of the file where it is one; `None` where it is left out.
+    /// `range` describes it, `expected` stands in messages.
+    fn optional_list<T: Clone>(
+        &mut self,
+        name: &str,
+        was: Option<&[T]>,
+        (range, expected): (&str, &str),
+        to: impl Fn(&T) -> Value,
+        of: impl Fn(&Value) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        if let Some(values) = was {
+            self.push(name, Value::List(values.iter().map(|value| to(value).into()).collect()));
+            return Some(values.to_vec());
         }
         self.may_be_left_out(name);
-        if self.record(name, "", "list of true and false", None) {
+        if self.record(name, "", range, None) {
             return None;
         }
         let node = self.node(name).cloned()?;
-        let flags = match &node.value {
-            Value::List(list) => list
-                .iter()
-                .map(|entry| match entry.value {
-                    Value::Boolean(flag) => Some(flag),
-                    _ => None,
-                })
-                .collect(),
+        let values = match &node.value {
+            Value::List(list) => list.iter().map(|entry| of(&entry.value)).collect(),
             _ => None,
         };
-        if flags.is_none() {
-            self.wrong_type(name, &node.value, "a list of true and false".to_string());
+        if values.is_none() {
+            self.wrong_type(name, &node.value, expected.to_owned());
         }
-        flags
+        values
     }
 
     /// A string that is not empty.
@@ -173,32 +182,19 @@ impl Keys<'_> {
 
     /// A list of strings, none of them empty; an empty list where it is left out.
     pub(crate) fn optional_texts(&mut self, name: &str, was: Option<&[String]>, expected: &str) -> Vec<String> {
-        if let Some(texts) = was {
-            if !texts.is_empty() {
-                let list = texts.iter().map(|text| Value::String(text.clone()).into());
-                self.push(name, Value::List(list.collect()));
-            }
-            return texts.to_vec();
-        }
-        self.may_be_left_out(name);
-        if self.record(name, "", "list of texts", None) {
-            return Vec::new();
-        }
-        let Some(node) = self.node(name).cloned() else {
-            return Vec::new();
-        };
-        let text = |entry: &Node| match &entry.value {
+        let text = |value: &Value| match value {
             Value::String(text) if !text.is_empty() => Some(text.clone()),
             _ => None,
         };
-        let texts: Option<Vec<String>> = match &node.value {
-            Value::List(list) => list.iter().map(text).collect(),
-            _ => None,
-        };
-        texts.unwrap_or_else(|| {
-            self.wrong_type(name, &node.value, expected.to_owned());
-            Vec::new()
-        })
+        let was = was.filter(|texts| !texts.is_empty());
+        let texts = self.optional_list(
+            name,
+            was,
+            ("list of texts", expected),
+            |text| Value::String(text.clone()),
+            text,
+        );
+        texts.unwrap_or_default()
     }
 
     /// A string that may be left out.

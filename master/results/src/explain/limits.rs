@@ -1,9 +1,9 @@
 //! Limits of standards in words: clause, figure and certainty over systems and speeds.
 
-use scene::{Assessment, Electrification, LimitRow};
+use scene::{Assessment, Electrification};
 use serde::Serialize;
 
-use crate::standards::{self, Bound, Certainty, Conditions, Figures, Limit, Line};
+use crate::standards::{self, Certainty, Conditions, Figures, Limit, Line};
 use crate::statistics::{Filter, ForceStatistics};
 
 /// Speeds on both sides of every bound of a limit, km/h.
@@ -114,25 +114,15 @@ fn of_run((system, speed_kmh, pantographs): (Electrification, f64, usize), asses
     all
 }
 
-/// Bound and figure of a limit; a formula where the remark begins with one, or where a `factor` makes it one.
-fn figure(limit: &Limit, has_factor: bool) -> Option<String> {
+/// Bound and figure of a limit, or its formula.
+fn figure(limit: &Limit) -> Option<String> {
     let value = limit.limit.filter(|_| limit.applicable)?;
     let sign = limit.bound.sign();
-    let formula = limit
-        .remark
-        .split(" at v = ")
-        .next()
-        .filter(|_| limit.remark.contains(" at v = "));
-    Some(match (formula, limit.quantity.as_str()) {
-        (Some(formula), _) => format!("{sign} {formula}"),
-        // Figures of the run itself.
-        (None, "std" | "free_uplift" | "control_section") if limit.source.is_none() || has_factor => {
-            format!("{sign} {}", limit.remark)
-        }
-        _ if limit.bound == Bound::Equal || limit.unit != "m" => {
-            format!("{sign} {} {}", (1e4 * value).round() / 1e4, limit.unit)
-        }
-        _ => format!("{sign} {:.0} mm", 1e3 * value),
+    let (scale, unit) = limit.scale();
+    Some(match limit.formula.as_str() {
+        "" if unit == "mm" => format!("{sign} {:.0} mm", scale * value),
+        "" => format!("{sign} {} {unit}", (1e4 * scale * value).round() / 1e4),
+        formula => format!("{sign} {formula}"),
     })
 }
 
@@ -182,15 +172,7 @@ pub fn limits(assessment: &Assessment) -> Vec<LimitText> {
                     cases.push(Vec::new());
                     all.len() - 1
                 });
-                let of_limit = |row: &&LimitRow| row.name() == limit.standard && row.quantity.name() == limit.quantity;
-                let has_factor = assessment
-                    .limits
-                    .iter()
-                    .find(of_limit)
-                    .is_some_and(|row| row.factor.is_some());
-                let Some(figure) = figure(&limit, has_factor) else {
-                    continue;
-                };
+                let Some(figure) = figure(&limit) else { continue };
                 let same = |(other, certainty, _): &&mut FigureCases| *other == figure && *certainty == limit.certainty;
                 match cases[index].iter_mut().find(same) {
                     Some((_, _, of)) if of.last() == Some(&(*system, speed)) => {}

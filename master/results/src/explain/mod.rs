@@ -11,7 +11,7 @@ mod limits;
 use scene::Assessment;
 use serde::Serialize;
 
-pub use glossary::{Word, glossary, word};
+pub use glossary::{Word, glossary, named};
 pub use limits::{LimitText, limits};
 
 /// Everything that is known of a word.
@@ -29,11 +29,7 @@ impl Explanation {
     #[must_use]
     pub fn of(typed: &str, assessment: &Assessment) -> Self {
         let typed = typed.trim();
-        let words = glossary()
-            .iter()
-            .filter(|word| word.is_called(typed))
-            .copied()
-            .collect();
+        let words = named(typed).copied().into_iter().collect();
         let limits = limits(assessment)
             .into_iter()
             .filter(|limit| limit.is_called(typed))
@@ -120,6 +116,22 @@ mod tests {
         }
         // One standard: all of its limits.
         assert!(Explanation::of("en 50119", &Assessment::default()).limits.len() >= 5);
+    }
+
+    #[test]
+    fn rows_of_the_user_are_told_as_formula_or_number() {
+        let row = |keys: &str| format!("[[assessment.limit]]\nstandard = \"Manual:1\"\nclause = \"2\"\n{keys}\n");
+        let rows = [
+            row("quantity = \"control_section\"\nvalue = 1000"),
+            row("quantity = \"std\"\nfactor = 0.25\nvalue = 5\ntext = \"in words\"\npantographs = [2, 4]"),
+        ];
+        let assessment = crate::standards::typed(&rows.concat());
+        let text = Explanation::of("Manual", &assessment).text();
+        assert!(text.contains("≥ 1000 m [S]"), "{text}");
+        assert!(
+            text.contains("≤ 5 N + 0.25 times the mean force of the run [S]"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -160,20 +160,26 @@ fn quantiles(of_heads: &[Head<'_>]) -> String {
     table((title, "quantiles"), of_heads, entries, &columns)
 }
 
-/// Contact force as instruments measure it beside the true one.
-pub(super) fn measured(runs: &[NamedRun<'_>]) -> String {
-    let of_heads = all(runs);
-    type Entry = (&'static str, ForceStatistics, Option<f64>);
-    let columns: [PageColumn<Row<Entry>>; 7] = [
+/// Statistics of one of several forces, and its error in % of the standard deviation of another one.
+type Compared = (&'static str, ForceStatistics, Option<f64>);
+
+/// Columns of forces beside each other, which are named under `what`; the error stands last.
+fn compared(what: &'static str) -> [PageColumn<Row<Compared>>; 7] {
+    [
         named(),
-        ("force", "", "", |row| row.entry.0.to_owned()),
+        (what, "", "", |row| row.entry.0.to_owned()),
         ("mean", "[N]", "n", |row| format!("{:.2}", row.entry.1.mean)),
         ("σ", "[N]", "n", |row| format!("{:.2}", row.entry.1.std)),
         ("max", "[N]", "n", |row| format!("{:.2}", row.entry.1.max)),
         ("min", "[N]", "n", |row| format!("{:.2}", row.entry.1.min)),
         ("rms error", "[% of σ]", "n", |row| number(row.entry.2, 2)),
-    ];
-    let entries = |head: &Head<'_>| -> Vec<Entry> {
+    ]
+}
+
+/// Contact force as instruments measure it beside the true one.
+pub(super) fn measured(runs: &[NamedRun<'_>]) -> String {
+    let of_heads = all(runs);
+    let entries = |head: &Head<'_>| -> Vec<Compared> {
         let both = head
             .pantograph
             .measured
@@ -190,7 +196,7 @@ pub(super) fn measured(runs: &[NamedRun<'_>]) -> String {
         "Contact force, and as load cells and accelerometers measure it",
         "measured",
     );
-    let mut html = table(title, &of_heads, entries, &columns);
+    let mut html = table(title, &of_heads, entries, &compared("force"));
     let mut said: Vec<(String, String)> = Vec::new();
     for head in &of_heads {
         let Some(measured) = &head.pantograph.measured else {
@@ -257,19 +263,11 @@ pub(super) fn droppers(runs: &[NamedRun<'_>]) -> String {
 
 /// Figures by both filters.
 fn filters(of_heads: &[Head<'_>]) -> String {
-    type Entry = (&'static str, ForceStatistics);
-    let columns: [PageColumn<Row<Entry>>; 6] = [
-        named(),
-        ("filter", "", "", |row| row.entry.0.to_owned()),
-        ("mean", "[N]", "n", |row| format!("{:.2}", row.entry.1.mean)),
-        ("σ", "[N]", "n", |row| format!("{:.2}", row.entry.1.std)),
-        ("max", "[N]", "n", |row| format!("{:.2}", row.entry.1.max)),
-        ("min", "[N]", "n", |row| format!("{:.2}", row.entry.1.min)),
-    ];
-    let entries = |head: &Head<'_>| -> Vec<Entry> {
-        let own = (head.pantograph.contact_force.filtered).map(|force| (head.summary.evaluation.filter.text(), force));
+    let entries = |head: &Head<'_>| -> Vec<Compared> {
+        let own =
+            (head.pantograph.contact_force.filtered).map(|force| (head.summary.evaluation.filter.text(), force, None));
         let other = head.pantograph.detail.other_filter;
-        let other = other.map(|other| (other.filter.text(), other.filtered));
+        let other = other.map(|other| (other.filter.text(), other.filtered, None));
         // One line alone compares nothing.
         own.zip(other).map_or_else(Vec::new, |(own, other)| vec![own, other])
     };
@@ -277,7 +275,7 @@ fn filters(of_heads: &[Head<'_>]) -> String {
         ("Filtered by run.filter, and by the other filter", "filters"),
         of_heads,
         entries,
-        &columns,
+        &compared("filter")[..6],
     )
 }
 

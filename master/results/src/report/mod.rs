@@ -37,7 +37,9 @@ pub use line::{
 };
 pub use progress::{Progress, Show};
 pub use rows::{PageColumn, cell, cells, heads, lined, saved, scrolled, spanning};
-pub use table::{TextColumn, aligned, heading, number as decimals, table, text_cells, text_table};
+pub use table::{
+    TextColumn, aligned, heading, number as decimals, table, text_cells, text_table, verdict_class, verdict_word,
+};
 pub use verdict::failed_limits;
 
 use crate::RunBundle;

@@ -2,9 +2,9 @@
 
 use super::label::NamedRun;
 use super::plots::colour;
-use super::table::{bounded, cause, marks, number, quantity_name, readable, shares, verdict};
+use super::table::{bounded, cause, marks, number, quantity_name, readable, shares, verdict, verdict_class};
 use super::{PageColumn, cell, cells, escape, heads, lined, remarks_of};
-use crate::explain::word as glossary_word;
+use crate::explain;
 use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
 use crate::{Accuracy, Part, RunBundle, Summary};
@@ -68,7 +68,7 @@ fn notes(runs: &[NamedRun<'_>]) -> String {
 fn explained(note: &str) -> String {
     let text = escape(note);
     let subject = note.split(": ").next().unwrap_or(note);
-    glossary_word(subject).map_or(text.clone(), |word| {
+    explain::named(subject).map_or(text.clone(), |word| {
         format!(
             "<details class=\"note\"><summary>{text}</summary>{} <span class=\"soft\">See {}.</span></details>",
             escape(word.meaning),
@@ -261,11 +261,7 @@ pub(super) fn limits(runs: &[NamedRun<'_>]) -> String {
         let one = run.summary.pantographs.len() == 1;
         for limit in &run.summary.limits {
             let (value, _, unit) = readable(limit);
-            let class = match limit.pass {
-                Some(true) => "good",
-                Some(false) => "bad",
-                None => "soft",
-            };
+            let class = verdict_class(limit.pass);
             let mut shown = limit.clone();
             if one {
                 shown.pantograph = None;

@@ -23,20 +23,12 @@ pub(super) fn shares(cost: &Cost) -> String {
 
 /// Number of the `limit` in a unit that is easy to read: heights in mm.
 pub(super) fn readable(limit: &Limit) -> (Option<f64>, Option<f64>, &str) {
-    let (scale, unit) = scale(limit);
+    let (scale, unit) = limit.scale();
     (
         limit.value.map(|value| scale * value),
         limit.limit.map(|value| scale * value),
         unit,
     )
-}
-
-/// Factor and unit of a quantity for reading.
-pub(super) fn scale(limit: &Limit) -> (f64, &str) {
-    match limit.unit.as_str() {
-        "m" if limit.quantity != "control_section" => (1e3, "mm"),
-        unit => (1.0, unit),
-    }
 }
 
 /// Name of a limited quantity, for reading.
@@ -67,10 +59,28 @@ pub(super) fn quantity_name(limit: &Limit) -> String {
 /// Verdict of a `limit`, for reading.
 pub(super) fn verdict(limit: &Limit) -> &'static str {
     match limit.pass {
+        None if !limit.applicable => "not applicable",
+        pass => verdict_word(pass),
+    }
+}
+
+/// A verdict in a word.
+#[must_use]
+pub const fn verdict_word(pass: Option<bool>) -> &'static str {
+    match pass {
         Some(true) => "pass",
         Some(false) => "FAIL",
-        None if !limit.applicable => "not applicable",
         None => "not decided",
+    }
+}
+
+/// Class of a verdict on a page.
+#[must_use]
+pub const fn verdict_class(pass: Option<bool>) -> &'static str {
+    match pass {
+        Some(true) => "good",
+        Some(false) => "bad",
+        None => "soft",
     }
 }
 

@@ -1,7 +1,7 @@
 //! The verdict that opens page and table: which limits fail, which hold, and by how much.
 
 use super::label::NamedRun;
-use super::table::{number, quantity_name, readable, scale};
+use super::table::{number, quantity_name, readable};
 use super::{cell, escape, head_cells, lined, table};
 use crate::Summary;
 use crate::standards::{Certainty, Limit};
@@ -32,7 +32,7 @@ pub(super) fn margin(limit: &Limit) -> String {
     if limit.pass.is_none() {
         return String::new();
     }
-    let (scale, unit) = scale(limit);
+    let (scale, unit) = limit.scale();
     match (share(limit), limit.room()) {
         (Some(share), _) => format!("{:+.1} %", 100.0 * share),
         (None, Some(room)) => format!("{:+.2} {unit}", scale * room),
@@ -154,7 +154,7 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
         let standard = escape(&limit.standard);
         let mut why = if pass { String::new() } else { why(limit) };
         if let (true, Some(tolerance)) = (limit.is_close(), limit.tolerance) {
-            let (scale, unit) = scale(limit);
+            let (scale, unit) = limit.scale();
             why.push_str(&format!(
                 "<br><span class=\"soft\">numerical uncertainty ± {} {}</span>",
                 number(Some(scale * tolerance), 2),

@@ -2,7 +2,7 @@
 
 use scene::Electrification;
 
-use super::{Bound, Conditions, Figures, Limit, Line, alternating, kmh, system_unknown};
+use super::{Bound, Conditions, Figures, Limit, Line, kmh, system_unknown};
 
 const NAME: &str = "EN 50119";
 
@@ -16,7 +16,7 @@ const MAX_SPEED_RATIO: f64 = 0.7;
 /// | AC | 300 | 350 |
 /// | DC | 300 | 400 |
 fn largest(system: Electrification, speed_kmh: f64) -> f64 {
-    match (alternating(system), speed_kmh > 200.0) {
+    match (system.is_alternating(), speed_kmh > 200.0) {
         (_, false) => 300.0,
         (true, true) => 350.0,
         (false, true) => 400.0,
@@ -115,7 +115,7 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
             } else {
                 "no stop limits the steady arm"
             })
-            .remark(format!("{factor} times the largest uplift of the run")),
+            .formula(format!("{factor} times the largest uplift of the run")),
     };
     [space, waves(line, conditions.speed)]
 }

@@ -16,24 +16,21 @@ const SAMPLING: f64 = 200.0;
 pub(super) fn control_section(figures: &Figures) -> Limit {
     const CHOSEN: (&str, &str, &str) = ("EN 50317", "2012", "no figure known");
     let section = Limit::new(CHOSEN, "control_section", Some(figures.section), "m").chosen();
-    let (rule, least) = match figures.longest_span {
-        None => return section.not_applicable("the spans of a supplied line are not known"),
-        Some(span) => (
-            "chosen here: the longest span that is evaluated, at least once",
-            (1.0 - ROUNDING) * span,
-        ),
+    let Some(span) = figures.longest_span else {
+        return section.not_applicable("the spans of a supplied line are not known");
     };
+    let least = (1.0 - ROUNDING) * span;
     // A rule of this program decides nothing against a run.
     if figures.section < least {
-        return section.because(format!(
-            "not decided: less than a span of {:.0} m is evaluated",
-            least / (1.0 - ROUNDING)
-        ));
+        return section.because(format!("not decided: less than a span of {span:.0} m is evaluated"));
     }
-    section.bounded(Bound::AtLeast, least).because(rule).remark(
-        "the longest span that is evaluated; a measured section is kilometres long: enter the length of your \
+    section
+        .bounded(Bound::AtLeast, least)
+        .because("chosen here: the longest span that is evaluated, at least once")
+        .formula(
+            "the longest span that is evaluated; a measured section is kilometres long: enter the length of your \
              edition under [assessment]",
-    )
+        )
 }
 
 /// Band and sampling.

@@ -2,7 +2,7 @@
 
 use scene::Electrification::{self, Ac15Kv, Ac25Kv, Dc1_5Kv, Dc3Kv};
 
-use super::{Bound, Certainty, Conditions, Figures, Limit, SHORTEST_ARC, alternating, system_unknown};
+use super::{Bound, Certainty, Conditions, Figures, Limit, SHORTEST_ARC, system_unknown};
 
 const NAME: &str = "EN 50367";
 /// The clauses of the edition that the thesis quotes are not given there.
@@ -34,8 +34,8 @@ impl Curve {
         self.a * speed_kmh * speed_kmh + self.b
     }
 
-    fn text(&self, speed_kmh: f64) -> String {
-        format!("{} v² + {} N at v = {speed_kmh:.1} km/h", self.a, self.b)
+    fn text(&self) -> String {
+        format!("{} v² + {} N", self.a, self.b)
     }
 }
 
@@ -83,7 +83,7 @@ fn lower(system: Electrification) -> Curve {
 /// | AC | 0.2 | 0.1 | 0.1 |
 /// | DC | 0.2 | 0.2 | 0.1 |
 fn arcing(system: Electrification, speed_kmh: f64) -> f64 {
-    if speed_kmh >= 250.0 || (speed_kmh > 160.0 && !alternating(system)) {
+    if speed_kmh >= 250.0 || (speed_kmh > 160.0 && !system.is_alternating()) {
         0.2
     } else {
         0.1
@@ -96,11 +96,11 @@ pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> Vec<L
     let std = Limit::new(QUOTED, "std", force.map(|f| f.std), "N")
         .bounded(Bound::Below, force.map(|f| MAX_STD_RATIO * f.mean))
         .because("every system and speed (also TSI ENE, Table 4.2.12)")
-        .remark("0.3 of the mean force of the run");
+        .formula("0.3 of the mean force of the run");
     let max = Limit::new(QUOTED, "max", force.map(|f| f.max), "N");
     let max = match conditions.line.electrification {
         None => max.not_applicable(system_unknown()),
-        Some(system) if alternating(system) => max.bounded(Bound::Below, MAX_FORCE).because("an AC line"),
+        Some(system) if system.is_alternating() => max.bounded(Bound::Below, MAX_FORCE).because("an AC line"),
         Some(_) => max.not_applicable("quoted for an AC line; EN 50119 has the maximum for DC"),
     };
     let amplitude = Limit::new(QUOTED, "vertical_amplitude", figures.vertical_amplitude, "m")
@@ -135,7 +135,8 @@ fn mean(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
                 let mut limit = limit
                     .bounded(bound, curve.at(speed))
                     .because(format!("{system}, {branch}"))
-                    .remark(curve.text(speed));
+                    .formula(curve.text())
+                    .remark(format!("{} at v = {speed:.1} km/h", curve.text()));
                 limit.certainty = curve.certainty;
                 limit
             }

@@ -35,6 +35,8 @@ mod own_tests;
 mod tests;
 
 pub use en50119::gradient_limit;
+#[cfg(test)]
+pub(crate) use own_tests::typed;
 use scene::{Assessment, Electrification};
 use serde::{Deserialize, Serialize};
 
@@ -86,6 +88,9 @@ pub struct Limit {
     /// Formula, and what the value is.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub remark: String,
+    /// Formula that the limit comes from; empty for a number. For explanations, not in the file.
+    #[serde(skip)]
+    pub formula: String,
 }
 
 /// How a value has to stand to its limit.
@@ -294,6 +299,7 @@ impl Limit {
             source: None,
             tolerance: None,
             remark: String::new(),
+            formula: String::new(),
         }
     }
 
@@ -324,6 +330,13 @@ impl Limit {
         self
     }
 
+    /// The formula, which is the remark too.
+    fn formula(mut self, formula: impl Into<String>) -> Self {
+        self.formula = formula.into();
+        self.remark = self.formula.clone();
+        self
+    }
+
     fn remark(mut self, remark: impl Into<String>) -> Self {
         self.remark = remark.into();
         self
@@ -333,6 +346,15 @@ impl Limit {
     #[must_use]
     pub fn edition_name(&self) -> String {
         format!("{}:{}", self.standard, self.edition)
+    }
+
+    /// Factor and unit of value and limit for reading: short lengths are told in mm.
+    #[must_use]
+    pub fn scale(&self) -> (f64, &str) {
+        match self.unit.as_str() {
+            "m" if self.quantity != "control_section" => (1e3, "mm"),
+            unit => (1.0, unit),
+        }
     }
 
     /// Distance of the value from the limit, in `unit`: positive where the limit holds, negative where it fails.
@@ -397,11 +419,6 @@ fn system_unknown() -> String {
         "differs from system to system: set run.electrification to one of {}",
         words.join(", ")
     )
-}
-
-/// True for a system of alternating current.
-const fn alternating(system: Electrification) -> bool {
-    matches!(system, Electrification::Ac25Kv | Electrification::Ac15Kv)
 }
 
 fn yes() -> bool {

@@ -106,12 +106,15 @@ fn limit(rows: &[&LimitRow], of: &Limit, known: &[Limit], (assessment, case): (&
             .zip(row.quantity.reference())
             .map(|(factor, name)| format!("{factor} times {name}")),
     ];
-    let mut formula = parts.into_iter().flatten().collect::<Vec<_>>().join(" + ");
-    if row.speed_squared != 0.0 {
-        formula.push_str(&format!(" at v = {speed:.1} km/h"));
-    }
     // A number alone stands in its column.
-    let formula = Some(formula).filter(|_| row.speed_squared != 0.0 || row.factor.is_some());
+    if row.speed_squared != 0.0 || row.factor.is_some() {
+        limit.formula = parts.into_iter().flatten().collect::<Vec<_>>().join(" + ");
+    }
+    let formula = match (limit.formula.as_str(), row.speed_squared != 0.0) {
+        ("", _) => None,
+        (formula, false) => Some(formula.to_owned()),
+        (formula, true) => Some(format!("{formula} at v = {speed:.1} km/h")),
+    };
     let said = row.text.clone().into_iter().chain(formula).collect::<Vec<_>>();
     limit.because(source).remark(said.join("; "))
 }

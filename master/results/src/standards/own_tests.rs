@@ -5,7 +5,7 @@ use super::tests::{conditions, figures};
 use super::*;
 
 /// An assessment as it is typed behind a scene.
-fn typed(text: &str) -> Assessment {
+pub(crate) fn typed(text: &str) -> Assessment {
     const EN_250: &str = include_str!("../../../../scenes/en50318-250.toml");
     let (scene, ranges) = EN_250.split_once("[ranges]").unwrap();
     let text = format!("{scene}\n{text}\n[ranges]{ranges}");

@@ -3,8 +3,8 @@
 use plotly::common::{DashType, ExponentFormat, Fill, Line, LineShape};
 use plotly::layout::{AxisType, ShapeLayer};
 
-use super::{COLOURS, Curve, PALE, TEXT, axis, curve, finished, layout, mark, name, rounded, vertical};
-use crate::statistics::{histogram, power_spectral_density};
+use super::{COLOURS, Curve, PALE, TEXT, Trace, axis, curve, finished, layout, mark, name, rounded, vertical};
+use crate::statistics::{Spectrum, histogram, power_spectral_density};
 use crate::{Evaluation, LineGeometry};
 
 /// Highest frequency in the spectrum, Hz: contact forces are simulated and measured below it.
@@ -25,29 +25,27 @@ fn span_frequency(line: &LineGeometry, evaluation: &Evaluation) -> Option<f64> {
     (span > 0.0 && evaluation.speed > 0.0).then_some(evaluation.speed / span)
 }
 
+/// Density up to the frequency `highest` (Hz), for logarithmic axes.
+pub fn density(spectrum: &Spectrum, highest: f64, name: &str, colour: &'static str) -> Trace {
+    let last = spectrum.frequency.partition_point(|frequency| *frequency <= highest);
+    // Four significant digits; the line at zero frequency has no place on a logarithmic axis.
+    let lines = 1..last.max(1);
+    let density = spectrum.density[lines.clone()].iter();
+    let density = density.map(|d| format!("{d:.3e}").parse().unwrap_or(*d)).collect();
+    curve(rounded(&spectrum.frequency[lines], 1e4), density, name, colour, 1.3)
+}
+
 pub(super) fn spectrum(curves: &[Curve]) -> String {
     let mut traces = Vec::new();
     let mut shapes = Vec::new();
     let mut notes = Vec::new();
     for (i, c) in curves.iter().enumerate() {
         let evaluation = &c.run.summary.evaluation;
-        let Some(s) = power_spectral_density(evaluated(c), evaluation.output_step) else {
+        let Some(spectrum) = power_spectral_density(evaluated(c), evaluation.output_step) else {
             continue;
         };
-        let last = s.frequency.partition_point(|f| *f <= MAX_FREQUENCY);
-        // Four significant digits; the line at zero frequency has no place on a logarithmic axis.
-        let density = s.density[1..last]
-            .iter()
-            .map(|d| format!("{d:.3e}").parse().unwrap_or(*d))
-            .collect();
         let label = if c.label.is_empty() { "raw" } else { &c.label };
-        traces.push(curve(
-            rounded(&s.frequency[1..last], 1e4),
-            density,
-            label,
-            COLOURS[i % COLOURS.len()],
-            1.3,
-        ));
+        traces.push(density(&spectrum, MAX_FREQUENCY, label, COLOURS[i % COLOURS.len()]));
         if shapes.is_empty() {
             let span = span_frequency(&c.run.record.line, evaluation);
             for (f, text) in [(span, "span passing"), (Some(evaluation.low_pass_hz), "low-pass")] {
@@ -124,11 +122,8 @@ pub(super) fn histogram_plot(curves: &[Curve]) -> String {
     let one = curves.len() == 1;
     for (i, c, raw) in &samples {
         let evaluation = &c.run.summary.evaluation;
-        let range = evaluation.samples(&c.run.record.time, c.pantograph);
-        if let Ok(force) = evaluation.filtered(&c.strip.force)
-            && let Some(part) = force.get(range)
-        {
-            add(part, &name("filtered", &c.label), COLOURS[i % COLOURS.len()], one);
+        if let Some(part) = evaluation.evaluated(&c.run.record.time, c.pantograph, &c.strip.force) {
+            add(&part, &name("filtered", &c.label), COLOURS[i % COLOURS.len()], one);
         }
         if one {
             add(raw, &name("raw", &c.label), COLOURS[1], false);

@@ -3,6 +3,8 @@
 mod distribution;
 mod series;
 
+pub use distribution::density;
+
 use plotly::color::NamedColor;
 use plotly::common::{Anchor, DashType, ExponentFormat, Font, Line, Mode, Orientation, Title};
 use plotly::configuration::DisplayModeBar;

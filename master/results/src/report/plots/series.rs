@@ -157,11 +157,10 @@ fn elevation(curves: &[Curve], (from, to): (f64, f64)) -> Vec<Trace> {
 /// nothing for one run.
 pub(super) fn difference(curves: &[Curve]) -> String {
     let filtered = |c: &Curve| {
-        let evaluation = &c.run.summary.evaluation;
-        let range = evaluation.samples(&c.run.record.time, c.pantograph);
-        let force = evaluation.filtered(&c.strip.force).ok()?;
-        let (x, force) = (c.strip.contact_x.get(range.clone())?, force.get(range)?);
-        Some((x.to_vec(), force.to_vec()))
+        let (evaluation, time) = (&c.run.summary.evaluation, &c.run.record.time);
+        let force = evaluation.evaluated(time, c.pantograph, &c.strip.force)?;
+        let x = c.strip.contact_x.get(evaluation.samples(time, c.pantograph))?;
+        Some((x.to_vec(), force))
     };
     let mut traces = Vec::new();
     for (i, c) in curves.iter().enumerate() {
