@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._pantoline import RunError, SweepError, figure_names
+from ._pantoline import RunError, SweepError, figure_names, quantiles, shares
 from ._typed import typed
 from .scene import Scene
 from .sweeps import Workers, carried_out
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 Method = Literal["one_at_a_time", "morris", "sobol"]
 
+#: Least and most of a number, or its distribution as it is typed, such as ``"normal(110, 5)"``.
+Range = tuple[float, float] | str
+
 #: Samples where nothing is said: trajectories of Morris, as by Campolongo et al. (2007), and base samples of Sobol.
 _SAMPLES = {"morris": 10, "sobol": 128}
 
@@ -38,6 +41,9 @@ _LEVELS = 4
 
 #: Seed where none is given, that of ``master sweep``.
 _SEED = 1
+
+#: Least share of all values of a distribution, so that every value is finite.
+_LEAST_SHARE = 1e-9
 
 #: Column by which parameters are sorted, the largest first.
 _SORTED = {"morris": "mu_star", "sobol": "ST"}
@@ -78,7 +84,8 @@ class Sensitivity:
     ) -> None:
         #: Method.
         self.method: Method = method
-        #: Parameters: ``key``, ``value`` in the scene, ``low``, ``high``, ``mark``.
+        #: Parameters: ``key``, ``value`` in the scene, ``low``, ``high``, ``distribution`` (``None`` where values are even
+        #: between these), ``mark``.
         self.parameters = parameters
         #: Figures by ``pantograph`` and ``figure``, with ``unit``. One at a time: the ``value`` in the scene as it is,
         #: and changes ``below`` and ``above`` that all parameters make together. Else: ``mean`` and ``std`` over the
@@ -205,13 +212,13 @@ class Samples:
     :func:`sensitivity` runs the cases of a scene. The class by itself is for other functions, and for figures that
     were computed elsewhere:
 
-    >>> samples = pantoline.Samples({"x": (0.0, 1.0), "y": (0.0, 2.0)}, "morris", n=10)
+    >>> samples = pantoline.Samples({"x": (0.0, 1.0), "y": "normal(0, 2)"}, "morris", n=10)
     >>> samples.analyse(lambda rows: 3.0 * rows[:, 0])["figure"]
     """
 
     def __init__(
         self,
-        ranges: Mapping[str, tuple[float, float]],
+        ranges: Mapping[str, Range],
         method: Literal["morris", "sobol"],
         *,
         n: int | None = None,
@@ -221,7 +228,10 @@ class Samples:
         """Draws the cases.
 
         Args:
-            ranges: Least and most of each parameter; values are even between them.
+            ranges: Least and most of each parameter, with values even between them; or its distribution as behind
+                ``--range``: ``"uniform(from, to)"``, ``"log_uniform(from, to)"``, ``"normal(mean, std)"`` or
+                ``"lognormal(median, sigma of the natural logarithm)"``. Morris moves between the 5 % and 95 % quantiles of
+                the last two.
             method: ``"morris"`` for ``n * (parameters + 1)`` cases, ``"sobol"`` for ``n * (parameters + 2)``, or
                 ``n * (2 * parameters + 2)`` with ``second_order``.
             n: Trajectories of Morris, 10 where nothing is said; base samples of Sobol, a power of two, 128 where
@@ -237,7 +247,10 @@ class Samples:
             raise SweepError(f'method = "{method}": must be one of one_at_a_time, {", ".join(_SAMPLES)}')
         if not ranges:
             raise SweepError("ranges: must have at least one parameter")
-        for key, (low, high) in ranges.items():
+        for key, known in ranges.items():
+            if isinstance(known, str):
+                continue
+            low, high = known
             if not (np.isfinite([low, high]).all() and low < high):
                 raise SweepError(f"{key}: must have a range from a least to a larger value, not {low} to {high}")
         self.n = _SAMPLES[method] if n is None else operator.index(n)
@@ -254,7 +267,8 @@ class Samples:
         self.method: Literal["morris", "sobol"] = method
         self.keys = list(ranges)
         self.second_order = second_order
-        bounds = np.array([ranges[key] for key in self.keys], dtype=float)
+        self._ranges = [ranges[key] for key in self.keys]
+        bounds = np.array([self._varied(known) for known in self._ranges], dtype=float)
         self._problem = {"num_vars": len(self.keys), "names": self.keys, "bounds": bounds.tolist()}
         sample = _salib("sample", method).sample
         if method == "morris":
@@ -263,6 +277,18 @@ class Samples:
             rows = sample(self._problem, self.n, calc_second_order=second_order, seed=self.seed)
         #: Values of the parameters, one row per case, in the order of ``keys``.
         self.rows: NDArray[np.float64] = np.clip(rows, bounds[:, 0], bounds[:, 1])
+        for index, known in enumerate(self._ranges):
+            if isinstance(known, str):
+                self.rows[:, index] = quantiles(known, self.rows[:, index].tolist())
+
+    def _varied(self, known: Range) -> tuple[float, float]:
+        """Numbers between which samples are drawn: values of a range, shares of a distribution."""
+        if not isinstance(known, str):
+            return known
+        if self.method == "morris":
+            low, high = shares(known)
+            return low, high
+        return _LEAST_SHARE, 1.0 - _LEAST_SHARE
 
     def analyse(
         self,
@@ -288,9 +314,11 @@ class Samples:
         named = found if isinstance(found, Mapping) else {"figure": found}
         units = units or {}
         values = [(1, name, units.get(name, ""), np.asarray(column, dtype=float)) for name, column in named.items()]
-        parameters = [
-            {"key": key, "low": low, "high": high} for key, (low, high) in zip(self.keys, self._problem["bounds"])
-        ]
+        parameters = []
+        for key, known in zip(self.keys, self._ranges):
+            text = known if isinstance(known, str) else None
+            low, high = known if not isinstance(known, str) else quantiles(known, shares(known))
+            parameters.append({"key": key, "low": low, "high": high, "distribution": text})
         return self._analysed(values, Table(parameters), [""] * len(self.rows))
 
     def _analysed(
@@ -401,11 +429,16 @@ def _salib(part: str, method: str) -> Any:
         raise ImportError(text) from error
 
 
+def _typed(known: Range) -> str:
+    """A range as it is typed behind ``--range KEY=``."""
+    return known if isinstance(known, str) else ":".join(typed(end) for end in known)
+
+
 def sensitivity(
     scene: Scene,
     method: Method = "one_at_a_time",
     *,
-    ranges: Mapping[str, tuple[float, float]] | None = None,
+    ranges: Mapping[str, Range] | None = None,
     keys: Iterable[str] | None = None,
     figures: str | Iterable[str] | None = None,
     n: int | None = None,
@@ -423,14 +456,15 @@ def sensitivity(
 
     ``"one_at_a_time"`` is ``master sensitivity``: the scene as it is, and each number at the ends of its range.
     ``"morris"`` screens many numbers over their whole ranges, ``"sobol"`` divides the variance among them; both take
-    all numbers as independent and even between their ends.
+    all numbers as independent, and even between their ends where they have no distribution.
 
     An analysis that was ended goes on with the same call, where ``out`` is given.
 
     Args:
         scene: The scene; its ``[ranges]``, and ranges beside its numbers, are those of the parameters.
         method: ``"one_at_a_time"``, ``"morris"`` or ``"sobol"``.
-        ranges: Least and most by key, beside those of the scene and before them.
+        ranges: Least and most by key, or a distribution as for :class:`Samples`, beside those of the scene and before
+            them.
         keys: Keys of the parameters, such as the largest ones of Morris for Sobol; all with a range where nothing is
             said.
         figures: Names of the figures in the result: ``std``, ``mean``, ``max``, ``min`` (N) and ``loss`` (%) of each
@@ -458,9 +492,9 @@ def sensitivity(
     for name in wanted:
         if name not in figure_names():
             raise SweepError(f'figures: "{name}": must be one of {", ".join(figure_names())}')
-    texts = [f"{key}={typed(low)}:{typed(high)}" for key, (low, high) in (ranges or {}).items()]
+    texts = [f"{key}={_typed(known)}" for key, known in (ranges or {}).items()]
     chosen = None if keys is None else list(keys)
-    names = ("key", "value", "low", "high", "mark")
+    names = ("key", "value", "low", "high", "distribution", "mark")
     parameters = Table([dict(zip(names, row)) for row in scene._source.parameters(texts, chosen)])
     workers = Workers(mode, jobs, progress, client, batch, retries)
     with tempfile.TemporaryDirectory() as place:
@@ -472,8 +506,8 @@ def sensitivity(
                     raise SweepError(f"{name}: must be left out with one_at_a_time, which has no samples")
             cases, _ = carried_out(scene, {**_NO_WISHES, "ranges": texts, "keys": chosen}, folder, workers)
             return _one_at_a_time(json.loads(cases.effects(folder) or "{}"), parameters, wanted, path)
-        bounds = {row["key"]: (row["low"], row["high"]) for row in parameters}
-        samples = Samples(bounds, method, n=n, seed=seed, second_order=second_order)
+        drawn: dict[str, Range] = {row["key"]: row["distribution"] or (row["low"], row["high"]) for row in parameters}
+        samples = Samples(drawn, method, n=n, seed=seed, second_order=second_order)
         columns = {key: samples.rows[:, index].tolist() for index, key in enumerate(samples.keys)}
         cases, _ = carried_out(scene, {**_NO_WISHES, "rows": columns}, folder, workers)
         found = json.loads(cases.figures(folder))

@@ -25,6 +25,7 @@ mod value;
 
 use std::path::PathBuf;
 
+use ::sweep::values::{Distribution, Values};
 use pyo3::prelude::*;
 
 /// Names the program that the package carries; libraries of FMUs are beside it.
@@ -37,6 +38,32 @@ fn set_program(file: PathBuf) {
 #[pyfunction]
 fn figure_names() -> Vec<&'static str> {
     ::sweep::sensitivity::FIGURES.iter().map(|(name, ..)| *name).collect()
+}
+
+/// A distribution of numbers as it is typed behind `--range KEY=`.
+fn distribution(text: &str) -> PyResult<Distribution> {
+    let found = match Values::typed(text) {
+        Ok(Values::Distributed(found)) if found.shares().is_some() => Ok(found),
+        Ok(_) => Err("must be a distribution of numbers, such as normal(110, 5)".to_owned()),
+        Err(what) => Err(what),
+    };
+    found.map_err(|what| error::SweepError::new_err(format!("{text}: {what}")))
+}
+
+/// Shares of all values between which the numbers of a distribution are varied.
+#[pyfunction]
+fn shares(text: &str) -> PyResult<[f64; 2]> {
+    Ok(distribution(text)?.shares().unwrap_or([0.0, 1.0]))
+}
+
+/// Values of a distribution below which these shares of all values lie.
+#[pyfunction]
+fn quantiles(text: &str, shares: Vec<f64>) -> PyResult<Vec<f64>> {
+    let distribution = distribution(text)?;
+    Ok(shares
+        .iter()
+        .filter_map(|share| distribution.quantile(*share).number())
+        .collect())
 }
 
 /// The extension module.
@@ -53,7 +80,7 @@ mod _pantoline {
     #[pymodule_export]
     use super::sweep::CaseSweep;
     #[pymodule_export]
-    use super::{figure_names, set_program};
+    use super::{figure_names, quantiles, set_program, shares};
 
     /// Version of the package.
     #[pymodule_export]

@@ -40,8 +40,8 @@ pub fn mode(word: &str) -> PyResult<Mode> {
     })
 }
 
-/// Key, value, least, most and origin of a number.
-type ParameterRow = (String, f64, f64, f64, Option<&'static str>);
+/// Key, value, least, most, distribution and origin of a number.
+type ParameterRow = (String, f64, f64, f64, Option<String>, Option<&'static str>);
 
 /// Numbers of a scene that have ranges, and those of `ranges`; those of `keys` alone, where there are any.
 ///
@@ -163,13 +163,21 @@ impl SceneSource {
         }
     }
 
-    /// Numbers with the ranges that they may have: key, value, least, most, origin; `ranges` as behind `--range`. Those
-    /// of `keys` alone, where there are any.
+    /// Numbers with the ranges that they may have: key, value, least, most, distribution, origin; `ranges` as behind
+    /// `--range`. Those of `keys` alone, where there are any.
     fn parameters(&self, ranges: Vec<String>, keys: Option<Vec<String>>) -> PyResult<Vec<ParameterRow>> {
         let found = parameters(&self.base(), &ranges, keys.as_deref()).map_err(|error| of_sweep(&error))?;
         let row = |parameter: Parameter| {
             let mark = parameter.mark.map(Mark::name);
-            (parameter.key, parameter.value, parameter.low, parameter.high, mark)
+            let distribution = parameter.distribution.map(|distribution| distribution.to_string());
+            (
+                parameter.key,
+                parameter.value,
+                parameter.low,
+                parameter.high,
+                distribution,
+                mark,
+            )
         };
         Ok(found.into_iter().map(row).collect())
     }

@@ -77,6 +77,30 @@ def test_effects_on_a_linear_function_are_slope_times_range() -> None:
     assert table.column("sigma") == pytest.approx([0.0, 0.0, 0.0], abs=near)
 
 
+def test_shares_of_a_sum_of_distributed_numbers_are_those_of_their_variances() -> None:
+    ranges: dict[str, Any] = {"x": "normal(10, 2)", "y": "uniform(-3, 3)", "z": "lognormal(1, 0.5)"}
+    samples = pantoline.Samples(ranges, "sobol", n=4096)
+    found = samples.analyse(lambda rows: rows @ [1.0, 2.0, 3.0])
+    # Variances of the three: σ²; (b − a)² / 12; (exp σ² − 1) exp σ², each with the square of its factor.
+    parts = np.array([2.0**2, 4.0 * 6.0**2 / 12.0, 9.0 * (np.exp(0.25) - 1.0) * np.exp(0.25)])
+    expected = dict(zip("xyz", parts / parts.sum()))
+    # Tails of a sequence of 4096 points.
+    assert column(found["figure"], "S1") == pytest.approx(expected, abs=0.01)
+    assert column(found["figure"], "ST") == pytest.approx(expected, abs=0.01)
+    assert found.figures[0]["std"] ** 2 == pytest.approx(parts.sum(), rel=0.01)
+    # Quantiles at 5 % and 95 %, from tables of the normal distribution.
+    end = 2.0 * 1.6448536269514722
+    assert found.parameters[0]["low"] == pytest.approx(10.0 - end) and found.parameters[0]["high"] == 10.0 + end
+    # Effects over a whole range of four levels at shares from 5 % to 95 %, two levels apart: 3/2 of the difference.
+    levels = pantoline.sensitivities.quantiles("normal(10, 2)", [0.05, 0.35, 0.65, 0.95])
+    effect = 1.5 * (levels[2] - levels[0])
+    screened = pantoline.Samples({"x": ranges["x"]}, "morris", n=5).analyse(lambda rows: rows[:, 0])
+    assert screened["figure"][0]["mu_star"] == pytest.approx(effect, rel=1e-9)
+    for wrong in ("normal(10)", "choice(1, 2)", "normal(1, -1)", "0, 1"):
+        with pytest.raises(pantoline.SweepError, match="must"):
+            pantoline.Samples({"x": wrong}, "sobol", n=2)
+
+
 def test_samples_are_those_of_their_seed_and_leave_the_generator_of_numpy_alone() -> None:
     ranges = {"x": (0.1, 0.3), "y": (1e6, 3e6)}
     for method in ("morris", "sobol"):
@@ -143,7 +167,14 @@ def test_effects_of_one_parameter_are_those_of_direct_runs() -> None:
         assert row["mu_star"] == pytest.approx(np.mean(np.abs(effects)), rel=ROUNDING)
         assert row["mu"] == pytest.approx(np.mean(effects), rel=ROUNDING)
         assert row["sigma"] == pytest.approx(np.std(effects, ddof=1), rel=1e-6, abs=ROUNDING * abs(row["mu"]))
-    assert found.parameters[0] == {"key": key, "value": 120.0, "low": low, "high": high, "mark": None}
+    assert found.parameters[0] == {
+        "key": key,
+        "value": 120.0,
+        "low": low,
+        "high": high,
+        "distribution": None,
+        "mark": None,
+    }
 
 
 def test_one_at_a_time_has_the_files_of_the_program(tmp_path: Path) -> None:

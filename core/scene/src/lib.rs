@@ -94,7 +94,7 @@ pub use measurement::Measurement;
 pub use mesh::{AxialStrain, Correction, Element, Mesh, MeshChoice};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
-pub use ranges::{Mark, Range};
+pub use ranges::{Mark, Range, Shape};
 pub use reference::{KeyText, keys as described_keys, reference};
 pub use run::{Electrification, Evaluate, ForceFilter, Initialise, Run, kmh};
 pub use scene::{Line, Scene, SceneFile};

@@ -1,5 +1,6 @@
 //! Certainty of numbers: `{ value = 0.0125, low = 0.005, high = 0.03, mark = "chosen" }` in place of a number, or
-//! `"key.path" = { low = 0.005, high = 0.03 }` under `[ranges]`.
+//! `"key.path" = { low = 0.005, high = 0.03 }` under `[ranges]`; a distribution, `{ normal = [110, 5] }`, in place of the
+//! two ends.
 
 use crate::choice::choice;
 use crate::error::What;
@@ -25,6 +26,21 @@ choice! {
     unavailable: []
 }
 
+choice! {
+    /// Distribution of a number that is not known for certain, by two numbers.
+    pub enum Shape {
+        /// Even between two bounds.
+        Uniform = "uniform",
+        /// Even in the logarithm between two bounds.
+        LogUniform = "log_uniform",
+        /// Normal: mean and standard deviation.
+        Normal = "normal",
+        /// Normal in the natural logarithm: median of the number and standard deviation of its logarithm.
+        LogNormal = "lognormal",
+    }
+    unavailable: []
+}
+
 /// Range that a number of a scene may have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
@@ -34,18 +50,30 @@ pub struct Range {
     pub low: Option<f64>,
     /// Most that it may be, likewise.
     pub high: Option<f64>,
+    /// Its distribution, in place of both; two numbers in the unit of its key, but for the second of
+    /// [`Shape::LogNormal`].
+    pub distribution: Option<(Shape, [f64; 2])>,
     /// Its origin.
     pub mark: Option<Mark>,
 }
 
 /// Keys of such a table.
-const KEYS: [&str; 4] = ["value", "low", "high", "mark"];
+const KEYS: [&str; 8] = [
+    "value",
+    "low",
+    "high",
+    "uniform",
+    "log_uniform",
+    "normal",
+    "lognormal",
+    "mark",
+];
 
 /// Table of ranges by the paths of their keys.
 const RANGES: &str = "ranges";
 
 /// Takes the ranges out of a scene, so that each of these keys holds its value.
-pub(crate) fn take_ranges(root: &mut Table) -> (Vec<Range>, Vec<(At, String, What)>) {
+pub(crate) fn take_ranges(root: &mut Table) -> (Vec<Range>, Vec<Wrong>) {
     let mut taken = (Vec::new(), Vec::new());
     let of_table = root.take(RANGES);
     for (key, node) in &mut root.entries {
@@ -73,13 +101,15 @@ pub(crate) fn take_ranges(root: &mut Table) -> (Vec<Range>, Vec<(At, String, Wha
     taken
 }
 
-fn wrong_type(at: At, key: String, value: &Value) -> (At, String, What) {
+fn wrong_type(at: At, key: String, value: &Value) -> Wrong {
     let value = shown(value);
     let expected = "a range in the unit of the key, such as \"run.speed_kmh\" = { low = 240, high = 260 }".to_owned();
     (at, key, What::WrongType { value, expected })
 }
 
-type Taken = (Vec<Range>, Vec<(At, String, What)>);
+/// Place, key and reason of a table that is no range.
+type Wrong = (At, String, What);
+type Taken = (Vec<Range>, Vec<Wrong>);
 
 fn take(node: &mut Node, path: String, taken: &mut Taken) {
     match &mut node.value {
@@ -110,11 +140,11 @@ fn take(node: &mut Node, path: String, taken: &mut Taken) {
 fn is_range(table: &Table) -> bool {
     let has = |key: &str| table.node(key).is_some();
     let own = table.entries.iter().all(|(key, _)| KEYS.contains(&key.as_str()));
-    own && has("value") && (has("low") || has("high") || has("mark"))
+    own && has("value") && KEYS[1..].iter().any(|key| has(key))
 }
 
 /// The range of a table of these keys.
-fn range(table: &Table, path: &str, keys: &[&str]) -> Result<Range, (At, String, What)> {
+fn range(table: &Table, path: &str, keys: &[&str]) -> Result<Range, Wrong> {
     if let Some((key, node)) = table.entries.iter().find(|(key, _)| !keys.contains(&key.as_str())) {
         let known = keys.iter().map(|key| (*key).to_owned()).collect();
         let what = What::UnknownKey { nearest: None, known };
@@ -146,6 +176,7 @@ fn range(table: &Table, path: &str, keys: &[&str]) -> Result<Range, (At, String,
         let value = shown(value.or(low));
         return Err((at, format!("{path}.value"), What::Refused { value, expected }));
     }
+    let distribution = distribution(table, path, low.or(high).is_some())?;
     let mark = match table.node("mark") {
         None => None,
         Some(node) => {
@@ -170,8 +201,39 @@ fn range(table: &Table, path: &str, keys: &[&str]) -> Result<Range, (At, String,
         key: path.to_owned(),
         low,
         high,
+        distribution,
         mark,
     })
+}
+
+/// The distribution of a table, which may have one, and none beside ends.
+fn distribution(table: &Table, path: &str, has_ends: bool) -> Result<Option<(Shape, [f64; 2])>, Wrong> {
+    let mut found = None;
+    for shape in Shape::ALL {
+        let Some(node) = table.node(shape.name()) else { continue };
+        let key = format!("{path}.{}", shape.name());
+        if has_ends || found.is_some() {
+            let because = "a range has two ends or one distribution".to_owned();
+            return Err((node.at, key, What::LeaveOut { because }));
+        }
+        let numbers: Vec<f64> = match &node.value {
+            Value::List(list) => list
+                .iter()
+                .filter_map(Node::number)
+                .filter(|number| number.is_finite())
+                .collect(),
+            _ => Vec::new(),
+        };
+        let [first, second] = numbers[..] else {
+            let (value, expected) = (
+                shown(&node.value),
+                "two numbers, such as { normal = [110, 5] }".to_owned(),
+            );
+            return Err((node.at, key, What::WrongType { value, expected }));
+        };
+        found = Some((*shape, [first, second]));
+    }
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -204,6 +266,7 @@ mod tests {
             key: "catenary.damping.alpha".to_owned(),
             low: Some(0.005),
             high: Some(0.03),
+            distribution: None,
             mark: Some(Mark::Chosen),
         };
         assert_eq!(found.unwrap(), [expected]);
@@ -212,6 +275,9 @@ mod tests {
             (found[0].key.as_str(), found[0].low, found[0].high),
             ("pantograph[1].masses[1]", Some(6.5), None)
         );
+        let found = read("masses = [7.2,", "masses = [{ value = 7.2, normal = [7.2, 0.3] },").unwrap();
+        assert_eq!(found[0].distribution, Some((Shape::Normal, [7.2, 0.3])));
+        assert_eq!((found[0].low, found[0].high), (None, None));
         let table = "[ranges]\n\"contact.stiffness\" = { low = 4e4, high = 6e4, mark = \"standard\" }\n\n[catenary]\n";
         let found = read("[catenary]\n", table).unwrap();
         assert_eq!((found[0].key.as_str(), found[0].high), ("contact.stiffness", Some(6e4)));
@@ -233,6 +299,14 @@ mod tests {
                 &["catenary.damping.alpha.mark", "remembered"],
             ),
             ("{ value = 0.0125, hihg = 1.0 }", &["catenary.damping.alpha"]),
+            (
+                "{ value = 0.0125, normal = 0.001 }",
+                &["catenary.damping.alpha.normal", "two numbers"],
+            ),
+            (
+                "{ value = 0.0125, low = 0.01, uniform = [0.01, 0.02] }",
+                &["catenary.damping.alpha.uniform", "two ends or one distribution"],
+            ),
         ] {
             let said = read("alpha = 0.0125", &format!("alpha = {table}")).unwrap_err();
             for part in parts {

@@ -48,7 +48,9 @@ const SAMPLE_KEYS: [&str; 3] = ["method", "count", "seed"];
 const RANGE_KEYS: [&str; 3] = ["from", "to", "step"];
 
 /// Names of distributions.
-const DISTRIBUTIONS: [&str; 5] = ["uniform", "log_uniform", "normal", "lognormal", "choice"];
+fn distributions() -> impl Iterator<Item = &'static str> {
+    scene::Shape::ALL.iter().map(|shape| shape.name()).chain(["choice"])
+}
 
 /// `true` for the text of a sweep, as opposed to that of a scene.
 #[must_use]
@@ -149,7 +151,7 @@ impl Reader<'_> {
             _ => Err(format!(
                 "must be a list, \"a:b:step\", {{ from = a, to = b, step = s }}, or one of {} with a list, such as \
                  {{ normal = [110, 5] }}",
-                DISTRIBUTIONS.join(", ")
+                distributions().collect::<Vec<_>>().join(", ")
             )),
         }
     }
@@ -197,7 +199,7 @@ impl Reader<'_> {
 
 /// `true` for a table that is values of a key, not a part of the key's path.
 fn is_values(table: &DeTable<'_>) -> bool {
-    let own = |key: &str| RANGE_KEYS.contains(&key) || DISTRIBUTIONS.contains(&key);
+    let own = |key: &str| RANGE_KEYS.contains(&key) || distributions().any(|name| name == key);
     table.keys().all(|key| own(key.get_ref()))
 }
 
@@ -440,7 +442,7 @@ count = 1_000
         );
         assert_eq!(
             wishes.varied[1].values,
-            Values::Distributed(Distribution::Normal { mean: 110.0, std: 5.0 })
+            Values::Distributed(Distribution::Of(scene::Shape::Normal, [110.0, 5.0]))
         );
         let words = ["\"jacobi\"", "\"gauss_seidel\""].map(|word| Value::Word(word.to_owned()));
         assert_eq!(wishes.varied[2].values, Values::Listed(words.to_vec()));

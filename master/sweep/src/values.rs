@@ -1,5 +1,8 @@
 //! Values of one key: a list, a range, or a distribution.
 
+use std::fmt;
+
+use scene::Shape;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// One value of a key.
@@ -67,34 +70,9 @@ fn number(text: &str) -> Option<f64> {
 /// Distribution of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Distribution {
-    /// Even between two bounds.
-    Uniform {
-        /// Lower bound.
-        from: f64,
-        /// Upper bound.
-        to: f64,
-    },
-    /// Even in the logarithm between two bounds above 0.
-    LogUniform {
-        /// Lower bound.
-        from: f64,
-        /// Upper bound.
-        to: f64,
-    },
-    /// Normal.
-    Normal {
-        /// Mean.
-        mean: f64,
-        /// Standard deviation.
-        std: f64,
-    },
-    /// Normal in the natural logarithm.
-    LogNormal {
-        /// Median of the value.
-        median: f64,
-        /// Standard deviation of its natural logarithm, –.
-        sigma: f64,
-    },
+    /// Of numbers, by two numbers: bounds, mean and standard deviation, or median of the value and standard deviation of
+    /// its natural logarithm, –.
+    Of(Shape, [f64; 2]),
     /// One of these, each as likely as the others.
     Choice(Vec<Value>),
 }
@@ -105,10 +83,10 @@ impl Distribution {
     pub fn quantile(&self, u: f64) -> Value {
         let normal = || Normal::new(0.0, 1.0).map_or(0.0, |normal| normal.inverse_cdf(u));
         Value::Number(match self {
-            Self::Uniform { from, to } => from + u * (to - from),
-            Self::LogUniform { from, to } => (from.ln() + u * (to.ln() - from.ln())).exp(),
-            Self::Normal { mean, std } => mean + std * normal(),
-            Self::LogNormal { median, sigma } => median * (sigma * normal()).exp(),
+            Self::Of(Shape::Uniform, [from, to]) => from + u * (to - from),
+            Self::Of(Shape::LogUniform, [from, to]) => (from.ln() + u * (to.ln() - from.ln())).exp(),
+            Self::Of(Shape::Normal, [mean, std]) => mean + std * normal(),
+            Self::Of(Shape::LogNormal, [median, sigma]) => median * (sigma * normal()).exp(),
             Self::Choice(values) => {
                 let index = (u * values.len() as f64) as usize;
                 return values[index.min(values.len() - 1)].clone();
@@ -116,15 +94,31 @@ impl Distribution {
         })
     }
 
+    /// Shares of all values between which its numbers are varied: all where it has bounds, else from 5 % to 95 %;
+    /// nothing for a choice.
+    #[must_use]
+    pub fn shares(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Of(Shape::Uniform | Shape::LogUniform, _) => Some([0.0, 1.0]),
+            Self::Of(Shape::Normal | Shape::LogNormal, _) => Some([0.05, 0.95]),
+            Self::Choice(_) => None,
+        }
+    }
+
+    /// Values at [`Distribution::shares`].
+    #[must_use]
+    pub fn ends(&self) -> Option<[f64; 2]> {
+        let [low, high] = self.shares()?.map(|share| self.quantile(share).number());
+        Some([low?, high?])
+    }
+
     /// Values that tell whether a key takes this distribution: bounds where there are any, else the median; all of a
     /// choice.
     #[must_use]
     pub fn tried(&self) -> Vec<Value> {
         match self {
-            Self::Uniform { from, to } | Self::LogUniform { from, to } => {
-                vec![Value::Number(*from), Value::Number(*to)]
-            }
-            Self::Normal { .. } | Self::LogNormal { .. } => vec![self.quantile(0.5)],
+            Self::Of(Shape::Uniform | Shape::LogUniform, ends) => ends.map(Value::Number).to_vec(),
+            Self::Of(..) => vec![self.quantile(0.5)],
             Self::Choice(values) => values.clone(),
         }
     }
@@ -136,39 +130,49 @@ impl Distribution {
     pub fn named(name: &str, arguments: &[Value]) -> Result<Self, String> {
         const NAMES: &str = "uniform(from, to), log_uniform(from, to), normal(mean, std), lognormal(median, sigma of \
                              the natural logarithm), choice(value, value, …)";
-        let name = name.trim().to_lowercase().replace(['_', '-'], "");
+        let plain = |name: &str| name.trim().to_lowercase().replace(['_', '-'], "");
+        let name = plain(name);
         if name == "choice" {
             return match arguments {
                 [] => Err("must name at least one value".to_owned()),
                 values => Ok(Self::Choice(values.to_vec())),
             };
         }
-        if !["uniform", "loguniform", "normal", "lognormal"].contains(&&*name) {
-            return Err(format!("must be one of {NAMES}"));
-        }
+        let shape = Shape::ALL.iter().find(|shape| plain(shape.name()) == name);
+        let shape = *shape.ok_or_else(|| format!("must be one of {NAMES}"))?;
         let [Value::Number(a), Value::Number(b)] = *arguments else {
             return Err(format!("must have two numbers, as in {NAMES}"));
         };
-        let must = |holds: bool, what: &str| if holds { Ok(()) } else { Err(what.to_owned()) };
-        match &*name {
-            "uniform" | "loguniform" => {
-                must(a < b, "must have a lower bound below the upper one")?;
-                if name == "uniform" {
-                    return Ok(Self::Uniform { from: a, to: b });
-                }
-                must(a > 0.0, "must have bounds above 0")?;
-                Ok(Self::LogUniform { from: a, to: b })
-            }
-            "normal" => {
-                must(b > 0.0, "must have a standard deviation above 0")?;
-                Ok(Self::Normal { mean: a, std: b })
-            }
-            _ => {
-                must(
-                    a > 0.0 && b > 0.0,
-                    "must have a median and a standard deviation above 0",
-                )?;
-                Ok(Self::LogNormal { median: a, sigma: b })
+        Self::of(shape, [a, b])
+    }
+
+    /// A distribution by its two numbers.
+    ///
+    /// # Errors
+    /// Requirements that are not met.
+    pub fn of(shape: Shape, [a, b]: [f64; 2]) -> Result<Self, String> {
+        let (holds, what) = match shape {
+            Shape::Uniform | Shape::LogUniform if a >= b => (false, "must have a lower bound below the upper one"),
+            Shape::Uniform => (true, ""),
+            Shape::LogUniform => (a > 0.0, "must have bounds above 0"),
+            Shape::Normal => (b > 0.0, "must have a standard deviation above 0"),
+            Shape::LogNormal => (
+                a > 0.0 && b > 0.0,
+                "must have a median and a standard deviation above 0",
+            ),
+        };
+        holds.then_some(Self::Of(shape, [a, b])).ok_or_else(|| what.to_owned())
+    }
+}
+
+impl fmt::Display for Distribution {
+    /// The distribution as it is typed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Of(shape, [first, second]) => write!(f, "{shape}({}, {})", shown(*first), shown(*second)),
+            Self::Choice(values) => {
+                let values: Vec<String> = values.iter().map(Value::typed).collect();
+                write!(f, "choice({})", values.join(", "))
             }
         }
     }
@@ -203,10 +207,7 @@ impl Values {
         let parts: Vec<&str> = text.split(':').collect();
         let numbers: Option<Vec<f64>> = parts.iter().map(|part| number(part.trim())).collect();
         match (numbers.as_deref(), parts.len()) {
-            (Some([from, to]), _) => {
-                let bounds = [Value::Number(*from), Value::Number(*to)];
-                Distribution::named("uniform", &bounds).map(Self::Distributed)
-            }
+            (Some([from, to]), _) => Distribution::of(Shape::Uniform, [*from, *to]).map(Self::Distributed),
             (Some([from, to, step]), _) => range(*from, *to, *step).map(Self::Listed),
             (None, 2 | 3) if !text.contains(['"', '\'', '[', '{']) => {
                 Err("must be a:b:step with three numbers, such as 200:320:10".to_owned())
@@ -400,6 +401,28 @@ mod tests {
         // Standard normal quantile at 0.975: 1.959963984540054 (tables); the inverse is good to 1e-9.
         assert!((at("normal(100,10)", 0.975) - 119.599_639_845_400_54).abs() < 1e-7);
         assert!((at("lognormal(50,0.5)", 0.5) - 50.0).abs() < 1e-9);
+        for text in [
+            "uniform(1, 2)",
+            "log_uniform(0.1, 2)",
+            "normal(100, 10)",
+            "lognormal(50, 0.5)",
+            "choice(1, 2)",
+        ] {
+            let Ok(Values::Distributed(distribution)) = Values::typed(text) else {
+                panic!("{text} is a distribution");
+            };
+            assert_eq!(distribution.to_string(), text);
+            let ends = distribution.ends();
+            match text {
+                "choice(1, 2)" => assert_eq!(ends, None),
+                // Standard normal quantile at 0.95: 1.6448536269514722 (tables).
+                "normal(100, 10)" => {
+                    let [low, high] = ends.unwrap();
+                    assert!((low - 83.551_463_730_485_28).abs() < 1e-7 && (high - 116.448_536_269_514_72).abs() < 1e-7);
+                }
+                _ => assert!(ends.is_some_and(|[low, high]| low < high)),
+            }
+        }
         assert_eq!(at("choice(1,2,3,4)", 0.6), 3.0);
         assert_eq!(at("80:120", 0.5), 100.0);
     }

@@ -22,7 +22,7 @@ use simulation::paths::scene_name;
 pub struct SensitivityArguments {
     /// Scene file with ranges of its numbers
     scene: PathBuf,
-    /// Range of a number, in place of that of the scene; repeatable
+    /// Range of a number, or its distribution as in KEY=normal(MEAN,STD), in place of that of the scene; repeatable
     #[arg(long, value_name = "KEY=LOW:HIGH", allow_hyphen_values = true)]
     range: Vec<String>,
     /// How line and pantographs are put together

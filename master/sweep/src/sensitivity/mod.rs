@@ -25,7 +25,7 @@ use crate::design::Design;
 use crate::error::SweepError;
 use crate::plan::{PlanWishes, Varied};
 use crate::record::Record;
-use crate::values::{Value, Values, shown};
+use crate::values::{Distribution, Value, Values, shown};
 
 /// Name of the table.
 pub const CSV: &str = "sensitivity.csv";
@@ -45,12 +45,15 @@ pub struct Parameter {
     pub low: f64,
     /// Most that it may be.
     pub high: f64,
+    /// Its distribution; even between the ends where there is none.
+    pub distribution: Option<Distribution>,
     /// Its origin.
     pub mark: Option<Mark>,
 }
 
 impl Parameter {
-    /// Parameters of a scene: those that it gives ranges, and `more` as `KEY=low:high`, which hold before them.
+    /// Parameters of a scene: those that it gives ranges, and `more` as `KEY=low:high` or `KEY=normal(mean, std)`, which
+    /// hold before them. The ends of a distribution are those of [`Distribution::ends`].
     ///
     /// # Errors
     /// A range that is none, a key without a number, a value outside its range, and a scene without any range.
@@ -68,20 +71,29 @@ impl Parameter {
             return Err(SweepError::wish(&base.origin, what));
         }
         let parameter = |range: Range| {
+            let wrong = |what: String| SweepError::wish(format!("{}: ranges", base.origin), what);
             let Some(value) = numbers.get(&range.key) else {
                 let what = format!("{}: is no number of the scene{}", range.key, numbers.meant(&range.key));
-                return Err(SweepError::wish(format!("{}: ranges", base.origin), what));
+                return Err(wrong(what));
             };
-            let (low, high) = (range.low.unwrap_or(value), range.high.unwrap_or(value));
+            let distribution = range.distribution.map(|(shape, numbers)| {
+                Distribution::of(shape, numbers).map_err(|what| wrong(format!("{}: {shape} {what}", range.key)))
+            });
+            let distribution = distribution.transpose()?;
+            let [low, high] = distribution
+                .as_ref()
+                .and_then(Distribution::ends)
+                .unwrap_or([range.low.unwrap_or(value), range.high.unwrap_or(value)]);
             if !(low <= value && value <= high && low < high) {
+                let of = distribution.map_or_else(String::new, |distribution| format!(" by {distribution}"));
                 let what = format!(
-                    "{} = {}: must lie within its range, {} to {}, whose ends must differ",
+                    "{} = {}: must lie within its range, {} to {}{of}, whose ends must differ",
                     range.key,
                     shown(value),
                     shown(low),
                     shown(high)
                 );
-                return Err(SweepError::wish(format!("{}: ranges", base.origin), what));
+                return Err(wrong(what));
             }
             let (key, mark) = (range.key, range.mark);
             Ok(Self {
@@ -89,6 +101,7 @@ impl Parameter {
                 value,
                 low,
                 high,
+                distribution,
                 mark,
             })
         };
@@ -125,26 +138,31 @@ impl Parameter {
     }
 }
 
-/// A range as it is typed, `KEY=low:high`.
+/// A range as it is typed, `KEY=low:high` or `KEY=normal(mean, std)`.
 fn typed(text: &str) -> Result<Range, SweepError> {
-    let number = |text: &str| match Value::of(text) {
-        Value::Number(number) => Some(number),
-        Value::Word(_) => None,
-    };
-    let parts = text.split_once('=').and_then(|(key, range)| {
-        let (low, high) = range.split_once(':')?;
-        Some((key.trim(), number(low)?, number(high)?))
-    });
-    let Some((key, low, high)) = parts.filter(|(key, ..)| !key.is_empty()) else {
-        let what = format!("{text}: must be KEY=low:high, such as catenary.damping.alpha=0.005:0.03");
-        return Err(SweepError::wish("--range", what));
-    };
-    Ok(Range {
-        key: key.to_owned(),
-        low: Some(low),
-        high: Some(high),
+    let wrong = |what: &str| SweepError::wish("--range", format!("{text}: {what}"));
+    let such = "must be KEY=low:high, such as catenary.damping.alpha=0.005:0.03, or KEY=normal(mean, std)";
+    let (key, range) = text.split_once('=').ok_or_else(|| wrong(such))?;
+    let key = key.trim().to_owned();
+    let known = |key, low, high, distribution| Range {
+        key,
+        low,
+        high,
+        distribution,
         mark: None,
-    })
+    };
+    if range.contains('(') {
+        return match Values::typed(range).map_err(|what| wrong(&what))? {
+            Values::Distributed(Distribution::Of(shape, numbers)) => Ok(known(key, None, None, Some((shape, numbers)))),
+            _ => Err(wrong(such)),
+        };
+    }
+    let number = |text: &str| Value::of(text).number();
+    let ends = range
+        .split_once(':')
+        .and_then(|(low, high)| Some([number(low)?, number(high)?]));
+    let [low, high] = ends.filter(|_| !key.is_empty()).ok_or_else(|| wrong(such))?;
+    Ok(known(key, Some(low), Some(high), None))
 }
 
 /// Hash of the scene that a later run of it must have to take the result.
@@ -544,6 +562,30 @@ mod tests {
     }
 
     #[test]
+    fn ends_of_a_distribution_without_bounds_are_its_quantiles() {
+        let parameters = ranges(&[
+            "contact.stiffness=normal(5e4, 5e3)",
+            "pantograph[1].masses[1]=log_uniform(7, 8)",
+        ]);
+        let parameters = parameters.unwrap();
+        // Standard normal quantile at 0.95: 1.6448536269514722 (tables).
+        let off = 1.644_853_626_951_472_2 * 5e3;
+        let [low, high] = [parameters[0].low, parameters[0].high];
+        assert!(
+            (low - (5e4 - off)).abs() < 1e-4 && (high - (5e4 + off)).abs() < 1e-4,
+            "{low} {high}"
+        );
+        assert_eq!((parameters[1].low, parameters[1].high), (7.0, 8.0));
+        let text = EN_300.replace(
+            "[ranges]",
+            "[ranges]\n\"contact.damping\" = { lognormal = [1.0, -0.2] }",
+        );
+        let base = Base::new("a", "a.toml", Path::new(""), text, Vec::new());
+        let said = Parameter::of(&base, &[]).unwrap_err().to_string();
+        assert!(said.contains("contact.damping: lognormal must have a median"), "{said}");
+    }
+
+    #[test]
     fn effects_are_differences_from_the_scene_and_add_by_squares_on_each_side() {
         let parameters = ranges(&["contact.stiffness=4e4:6e4", "pantograph[1].masses[1]=7.2:8"]).unwrap();
         let record = |case: usize, std: Option<f64>| {
@@ -596,6 +638,10 @@ mod tests {
             ("contact.stifness=1:2", "did you mean contact.stiffness?"),
             ("contact.stiffness=6e4:7e4", "within its range"),
             ("contact.law=1:2", "is no number"),
+            ("contact.stiffness=normal(5e4)", "two numbers"),
+            ("contact.stiffness=normal(5e4,-1)", "standard deviation above 0"),
+            ("contact.stiffness=normal(9e4,1e4)", "within its range, 73551"),
+            ("contact.stiffness=choice(4e4,6e4)", "KEY=normal(mean, std)"),
         ] {
             let said = ranges(&[typed]).unwrap_err();
             assert!(said.contains(part), "{typed}: {said}");
