@@ -3,7 +3,7 @@
 mod support;
 
 use fmi2::archive::Limits;
-use fmi2::import::{Fmu, Keep, Options};
+use fmi2::import::{Fmu, Options};
 use std::io::{Cursor, Write};
 use std::path::Path;
 
@@ -72,7 +72,6 @@ fn message_with(bytes: &[u8], limits: Limits) -> String {
         &path,
         &Options {
             limits,
-            keep: Keep::Nothing,
             time_limit: None,
         },
     )

@@ -429,8 +429,17 @@ impl Supplied {
         self.check_environment(path, found);
     }
 
-    /// Refuses an environment where there is no process to have it, and names that no variable can have.
+    /// Refuses an environment and a limit where there is no process to have them, and names that no variable can have.
     fn check_environment(&self, path: &str, found: &mut Found) {
+        if let Some(bytes) = self.memory_limit.filter(|_| !self.isolate) {
+            let expected = "must be left out, or isolate = true given: only a process of its own has a limit";
+            refuse(
+                found,
+                format!("{path}.memory_limit"),
+                shown_number(bytes, "B"),
+                expected,
+            );
+        }
         for (name, value) in &self.environment {
             let key = format!("{path}.environment.{}", shown_key(name));
             if !self.isolate {

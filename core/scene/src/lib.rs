@@ -101,7 +101,7 @@ pub use scene::{Line, Scene, SceneFile};
 pub use section::Section;
 pub use solver::{Formulation, Jacobian, Solver};
 pub use stitch_wires::StitchWires;
-pub use supplied::{Connection, Offset, ParameterValue, STEP_TIMEOUT, Supplied};
+pub use supplied::{Connection, Offset, ParameterValue, Supplied};
 pub use tension_length::{MAX_SPANS, TensionLength};
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
 pub use vehicle::{

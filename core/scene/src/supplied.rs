@@ -6,7 +6,10 @@ use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::tree::Value;
 
 /// Wall time that a call of an isolated FMU may take where a scene does not say it, s.
-pub const STEP_TIMEOUT: f64 = 60.0;
+const STEP_TIMEOUT: f64 = 60.0;
+
+/// Least memory that the process of an FMU may be given, bytes: that of the program itself.
+const LEAST_MEMORY: f64 = 5e7;
 
 /// An FMU with its wiring, in `[catenary]` or `[[pantograph]]`.
 ///
@@ -23,6 +26,8 @@ pub struct Supplied {
     pub isolate: bool,
     /// Wall time after which a call of the FMU is given up, s; 60 by default: no step of a working FMU takes that long.
     pub step_timeout: f64,
+    /// Most memory of its child process, bytes; only where it is isolated.
+    pub memory_limit: Option<f64>,
     /// Variables of the environment that its child process is started with; empty where it is not isolated.
     pub environment: BTreeMap<String, String>,
     /// Values set before initialisation, by the FMU's variable names.
@@ -115,10 +120,26 @@ fn line_names() -> [Vec<String>; 2] {
 }
 
 impl Supplied {
+    /// An FMU by the path of its archive, which nothing else is said about.
+    #[must_use]
+    pub fn unwired(fmu: impl Into<String>) -> Self {
+        Self {
+            fmu: fmu.into(),
+            isolate: false,
+            step_timeout: STEP_TIMEOUT,
+            memory_limit: None,
+            environment: BTreeMap::new(),
+            parameters: BTreeMap::new(),
+            inputs: BTreeMap::new(),
+            outputs: BTreeMap::new(),
+        }
+    }
+
     pub(crate) const SENTENCES: Sentences = &[
         ("fmu", "Path of the FMU, relative to the scene file."),
         ("isolate", "True runs the FMU in a process of its own."),
         ("step_timeout", "Wall time after which a call of the FMU is given up."),
+        ("memory_limit", "Most memory of its process; with `isolate` only."),
         (
             "environment",
             "Environment variables of its process; with `isolate` only.",
@@ -163,6 +184,11 @@ impl Supplied {
                 "step_timeout",
                 was.map(|side| side.step_timeout),
                 Number::positive("s").default(STEP_TIMEOUT),
+            ),
+            memory_limit: keys.optional_number(
+                "memory_limit",
+                was.map(|side| side.memory_limit),
+                Number::positive("B").at_least(LEAST_MEMORY),
             ),
             environment: keys.plain_map(
                 "environment",

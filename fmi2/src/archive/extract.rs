@@ -1,11 +1,11 @@
 //! Unpacking an archive that is not trusted.
 
 use super::ArchiveError;
+use crate::scratch::Scratch;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
-use tempfile::TempDir;
 use zip::CompressionMethod;
 use zip::read::ZipArchive;
 use zip::result::ZipError;
@@ -41,7 +41,7 @@ const RATIO_FREE: u64 = 1 << 20;
 /// # Errors
 ///
 /// A refused archive; the error names the entry and the limit.
-pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<TempDir, ArchiveError> {
+pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<Scratch, ArchiveError> {
     let unreadable = |problem| ArchiveError::Unreadable { problem };
     let file = File::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
@@ -77,8 +77,7 @@ pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<TempD
     if archive.has_overlapping_entries().map_err(not_zip)? {
         return Err(ArchiveError::Overlap);
     }
-    let folder = tempfile::Builder::new().prefix("fmu-").tempdir();
-    let folder = folder.map_err(|problem| ArchiveError::Unwritable {
+    let folder = Scratch::new().map_err(|problem| ArchiveError::Unwritable {
         target: std::env::temp_dir(),
         problem,
     })?;

@@ -7,31 +7,19 @@ use super::log::Listener;
 use crate::Error;
 use crate::archive::{self, ArchiveError, Limits};
 use crate::model_description::ModelDescription;
+use crate::scratch::Scratch;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tempfile::TempDir;
 
 /// Options for opening an FMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Limits of the archive.
     pub limits: Limits,
-    /// Treatment of the folder of the unpacked FMU at the end.
-    pub keep: Keep,
     /// Longest wall time of a call, after which the process ends, see [`guard`](super::guard). `None` for no limit.
     pub time_limit: Option<Duration>,
-}
-
-/// Treatment of the folder of the unpacked FMU at the end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Keep {
-    /// Remove the folder.
-    #[default]
-    Nothing,
-    /// Keep the folder for inspection.
-    Folder,
 }
 
 /// State shared by the instances of an FMU; dropped in the order of the members.
@@ -47,7 +35,7 @@ pub(super) struct Shared {
 /// Folder of an unpacked archive.
 enum Folder {
     /// Own folder, removed at the end.
-    Own(TempDir),
+    Own(Scratch),
     /// Folder of the caller, who removes it.
     Lent(PathBuf),
 }
@@ -85,7 +73,7 @@ impl Fmu {
         Self::open_with(path, &Options::default())
     }
 
-    /// [`open`](Self::open) with other limits, or keeping the folder.
+    /// [`open`](Self::open) with other limits.
     ///
     /// # Errors
     ///
@@ -96,7 +84,7 @@ impl Fmu {
             path: path.clone(),
             problem,
         };
-        let mut folder = archive::extract(&path, archive::DESCRIPTION_FILE, &options.limits).map_err(refused)?;
+        let folder = archive::extract(&path, archive::DESCRIPTION_FILE, &options.limits).map_err(refused)?;
         let description = described(&path, folder.path())?;
         let resources = folder.path().join("resources");
         std::fs::create_dir_all(&resources).map_err(|problem| {
@@ -105,7 +93,6 @@ impl Fmu {
                 problem,
             })
         })?;
-        folder.disable_cleanup(options.keep == Keep::Folder);
         let folder = Folder::Own(folder);
         Ok(Self::of(path, description, folder, options.time_limit))
     }

@@ -20,7 +20,7 @@ mod state;
 mod stepping;
 mod values;
 
-pub use fmu::{Fmu, Keep, Options};
+pub use fmu::{Fmu, Options};
 pub use instance::Instance;
 pub use log::{Listener, LogMessage};
 pub use state::StateHandle;

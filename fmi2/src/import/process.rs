@@ -84,6 +84,60 @@ pub fn end_when_closed(channel: &UnixStream, grace: Duration) -> io::Result<()> 
     Ok(())
 }
 
+/// Bounds the memory that this process may take, in bytes; beyond it the system refuses more. Address space where the
+/// system knows no limit of data.
+///
+/// # Errors
+/// The system refuses.
+pub fn limit_memory(bytes: u64) -> io::Result<()> {
+    #[cfg(target_os = "linux")]
+    let kind = libc::RLIMIT_DATA;
+    #[cfg(not(target_os = "linux"))]
+    let kind = libc::RLIMIT_AS;
+    let bytes = libc::rlim_t::try_from(bytes).unwrap_or(libc::RLIM_INFINITY);
+    let limit = libc::rlimit {
+        rlim_cur: bytes,
+        rlim_max: bytes,
+    };
+    // SAFETY: a plain call with a valid limit.
+    match unsafe { libc::setrlimit(kind, &raw const limit) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
+/// Kills all processes but this one whose environment has `mark`, a variable with its value, where the system shows it.
+pub fn kill_marked(mark: &str) {
+    /// Looks, as processes may start others meanwhile.
+    const LOOKS: usize = 10;
+    let own = std::process::id();
+    for _ in 0..LOOKS {
+        let Ok(entries) = std::fs::read_dir("/proc") else {
+            return;
+        };
+        let is_marked = |process: &u32| {
+            let environment = std::fs::read(format!("/proc/{process}/environ")).unwrap_or_default();
+            *process != own
+                && environment
+                    .split(|byte| *byte == 0)
+                    .any(|variable| variable == mark.as_bytes())
+        };
+        let processes = entries
+            .flatten()
+            .filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+        let marked: Vec<u32> = processes.filter(is_marked).collect();
+        for process in &marked {
+            if let Ok(process) = libc::pid_t::try_from(*process) {
+                // SAFETY: a plain call; a process that is gone is no harm.
+                unsafe { libc::kill(process, libc::SIGKILL) };
+            }
+        }
+        if marked.is_empty() {
+            return;
+        }
+    }
+}
+
 /// Kills the process group of the child `leader`, with all processes that the child has started.
 pub fn kill_group(leader: u32) {
     if let Ok(leader) = libc::pid_t::try_from(leader)

@@ -6,15 +6,18 @@ use std::os::fd::AsRawFd as _;
 use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::net::UnixStream;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::import::guard::{self, Report};
 use crate::import::{Fmu, LogMessage, StepOutcome, process};
 
 use super::frame::{Malformed, Reader, Receiver, Writer};
-use super::protocol::{Code, MAGIC, MESSAGE, REPLY, VERSION, outcome};
+use super::protocol::{Code, MAGIC, MESSAGE, PROGRESS, REPLY, VERSION, outcome};
 use super::{CLOSED_GRACE, IsolationError, Reported};
 use crate::instance::{FmuInstance, InstanceError, Local, SavedState};
+
+/// Time after which the parent is told that the next request begins.
+const QUIET: Duration = Duration::from_millis(100);
 
 /// Sends frames; the FMU's messages come from any thread.
 type Sender = Arc<Mutex<UnixStream>>;
@@ -71,10 +74,13 @@ pub fn serve() -> Result<(), IsolationError> {
     reply.raw(MAGIC);
     reply.u32(VERSION);
     send(&mut reply, &sender).map_err(|_| broken("it is closed"))?;
-    let (archive, folder, limit) = greeting?;
+    let (archive, folder, limits) = greeting?;
+    if let Some(bytes) = limits.memory {
+        process::limit_memory(bytes).map_err(|_| broken("the system refuses memory_limit"))?;
+    }
     let mut host = Host {
         // a description that the parent has read is read again
-        fmu: Fmu::unpacked(archive, folder, Some(limit)),
+        fmu: Fmu::unpacked(archive, folder, Some(limits.time)),
         sender: Arc::clone(&sender),
         instance: None,
         lists: Lists::default(),
@@ -89,22 +95,35 @@ pub fn serve() -> Result<(), IsolationError> {
     Ok(())
 }
 
+/// Sends a frame, unless this process is a copy of the one that the parent knows, made by the FMU's `fork()`: that one
+/// answers alone.
 fn send(frame: &mut Writer, sender: &Sender) -> io::Result<()> {
+    guard::end_of_copy();
     let stream = sender.lock().unwrap_or_else(PoisonError::into_inner);
     frame.send(&*stream)
 }
 
-/// Archive, folder and time limit of the first frame.
-fn greeting(frame: &[u8]) -> Result<(&OsStr, &OsStr, Duration), Malformed> {
+/// Limits of the FMU.
+struct Limits {
+    time: Duration,
+    /// Bytes.
+    memory: Option<u64>,
+}
+
+/// Archive, folder and limits of the first frame.
+fn greeting(frame: &[u8]) -> Result<(&OsStr, &OsStr, Limits), Malformed> {
     let mut reader = Reader::new(frame);
     if reader.raw(MAGIC.len())? != MAGIC || reader.u32()? != VERSION {
         return Err(Malformed);
     }
-    let limit = Duration::from_millis(reader.u64()?);
+    let limits = Limits {
+        time: Duration::from_millis(reader.u64()?),
+        memory: Some(reader.u64()?).filter(|bytes| *bytes > 0),
+    };
     Ok((
         OsStr::from_bytes(reader.bytes()?),
         OsStr::from_bytes(reader.bytes()?),
-        limit,
+        limits,
     ))
 }
 
@@ -132,7 +151,15 @@ impl Host {
         let mut reader = Reader::new(frame);
         reply.clear();
         reply.raw(&[REPLY, outcome::DONE]);
-        for _ in 0..reader.u32()? {
+        let mut told = Instant::now();
+        for request in 0..reader.u32()? {
+            if request > 0 && told.elapsed() >= QUIET {
+                told = Instant::now();
+                let mut progress = Writer::new();
+                progress.u8(PROGRESS);
+                // a parent that has gone is noticed with the reply
+                let _ = send(&mut progress, &self.sender);
+            }
             match self.carry_out(&mut reader, reply) {
                 Ok(()) => {}
                 Err(Stop::Malformed) => return Err(Malformed),

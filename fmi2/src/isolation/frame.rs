@@ -1,6 +1,8 @@
 //! Bytes of the protocol: numbers, lists and texts, and frames on a socket.
 
 use std::io::{self, ErrorKind, Read, Write};
+use std::ops::Range;
+use std::time::Instant;
 
 /// Longest frame that is taken, bytes: a serialised state of the largest size and something around it.
 const LONGEST: usize = (1 << 30) + (1 << 20);
@@ -217,9 +219,22 @@ impl<R: Read> Receiver<R> {
     /// Content of the next frame; `None` where the other side has closed.
     ///
     /// # Errors
-    /// Errors of the socket, `WouldBlock` or `TimedOut` after its time limit (the bytes so far are kept), and a frame
-    /// that is longer than any.
+    /// Errors of the socket, and a frame that is longer than any.
     pub(super) fn receive(&mut self) -> io::Result<Option<&[u8]>> {
+        self.receive_until(None)
+    }
+
+    /// The same until `deadline`, where the socket has a time limit of its own, after which it is asked again.
+    ///
+    /// # Errors
+    /// As [`Receiver::receive`]; `TimedOut` where no whole frame has come in time.
+    pub(super) fn receive_until(&mut self, deadline: Option<Instant>) -> io::Result<Option<&[u8]>> {
+        let frame = self.find(deadline)?;
+        Ok(frame.map(|content| &self.buffer[content]))
+    }
+
+    /// Place of the next frame in the buffer.
+    fn find(&mut self, deadline: Option<Instant>) -> io::Result<Option<Range<usize>>> {
         let length = loop {
             let received = &self.buffer[self.begin..self.end];
             let needed = match received.first_chunk::<4>() {
@@ -243,11 +258,25 @@ impl<R: Read> Receiver<R> {
                 Ok(0) => return Ok(None),
                 Ok(more) => self.end += more,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error)
+                    if deadline.is_some() && matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
                 Err(error) => return Err(error),
+            }
+            // One that comes byte by byte as well.
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) && self.is_incomplete() {
+                return Err(ErrorKind::TimedOut.into());
             }
         };
         let content = self.begin + 4..self.begin + length;
         self.begin = content.end;
-        Ok(Some(&self.buffer[content]))
+        Ok(Some(content))
+    }
+
+    /// `true` where what is received holds no whole frame.
+    fn is_incomplete(&self) -> bool {
+        let received = &self.buffer[self.begin..self.end];
+        received
+            .split_first_chunk::<4>()
+            .is_none_or(|(length, rest)| rest.len() < u32::from_le_bytes(*length) as usize)
     }
 }

@@ -19,14 +19,16 @@
 //!   instance's name before each line.
 //! - It works in the folder `resources` of the unpacked archive, which belongs to this process and goes with it. The
 //!   environment is this program's, with the scene's `environment` over it.
-//! - It is a process group of its own, so that Ctrl-C reaches this program only, and is killed as a group.
+//! - It is a process group of its own, so that Ctrl-C reaches this program only, and is killed as a group; processes
+//!   that have left the group are found by a mark in their environment, where the system shows it.
 //! - It ends when its socket is closed, however the parent ended: in order where it is idle, by force after
 //!   [`CLOSED_GRACE`] where the FMU holds it.
 //! - A call that takes longer than `step_timeout`, a crash or `exit()` is noticed in the child itself, which says what
 //!   it was in with an [`Obituary`](crate::import::guard::Obituary) and ends. The parent waits [`GRACE`] longer and
 //!   then kills.
+//! - A copy of the child that the FMU makes by `fork()` ends when it comes back from the FMU, and says nothing.
 //!
-//! # Protocol, version 1
+//! # Protocol, version 2
 //!
 //! Both directions carry frames: a length (4 bytes), then as many bytes. Numbers are little-endian: `u8`, `u32`, `i32`,
 //! `u64`, `f64` (its bits, so that nothing is rounded); a list or text is its length in a `u32`, then its elements
@@ -34,11 +36,13 @@
 //! UTF-8, or whatever the system has in paths).
 //!
 //! ```text
-//! parent → child   first   "PFMU", u32 version, u64 time limit (ms), path of the archive, folder it is unpacked in
+//! parent → child   first   "PFMU", u32 version, u64 time limit (ms), u64 memory limit (bytes, 0 for none), path of the
+//!                          archive, folder it is unpacked in
 //!                  then    u32 number of requests; each: u8 code, arguments (see protocol::Code)
 //! child → parent   first   "PFMU", u32 version
 //!                  then    0x01 reply: u8 outcome, results of the requests in order; after a failure a text instead
 //!                          0x02 message of the FMU: i32 status, category, text; at any time
+//!                          0x03 the next request begins; only where the last ones took their time
 //!                          0xDE obituary; the last frame
 //! ```
 //!
@@ -97,6 +101,8 @@ pub const CLOSED_GRACE: Duration = Duration::from_secs(1);
 pub struct Isolation {
     /// Longest that a call may take, in wall time.
     pub time_limit: Duration,
+    /// Most memory of the process, bytes; `None` for no limit.
+    pub memory_limit: Option<u64>,
     /// Variables of the child's environment besides this program's.
     pub environment: BTreeMap<String, String>,
 }

@@ -7,13 +7,13 @@ use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::import::guard::Ending;
-use crate::import::process::kill_group;
+use crate::import::process::{kill_group, kill_marked};
 
 use super::{GRACE, Isolation, SERVES, SUBCOMMAND};
 
@@ -45,12 +45,25 @@ pub(super) fn program() -> io::Result<PathBuf> {
     })
 }
 
+/// Variable of the environment of a child and of all processes that it starts.
+const MARK: &str = "PANTOLINE_ISOLATED";
+
+/// A value that no other child has.
+fn mark() -> String {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let since = std::time::UNIX_EPOCH.elapsed().unwrap_or_default();
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    format!("{}-{}-{count}", std::process::id(), since.as_nanos())
+}
+
 /// Last lines that the child has printed.
 type Lines = Arc<Mutex<VecDeque<String>>>;
 
 /// A child and the thread that hands on what it prints; killed when dropped, if it has not ended.
 pub(super) struct Process {
     child: Child,
+    /// Value of [`MARK`].
+    mark: String,
     lines: Lines,
     printer: Option<JoinHandle<()>>,
     ended: Option<ExitStatus>,
@@ -65,6 +78,7 @@ impl Process {
         isolation: &Isolation,
     ) -> io::Result<(Self, UnixStream)> {
         let (ours, theirs) = UnixStream::pair()?;
+        let mark = mark();
         let mut child = Command::new(program)
             .arg(SUBCOMMAND)
             .stdin(Stdio::from(OwnedFd::from(theirs)))
@@ -72,12 +86,14 @@ impl Process {
             .stderr(Stdio::piped())
             .current_dir(folder)
             .envs(&isolation.environment)
+            .env(MARK, &mark)
             .process_group(0)
             .spawn()?;
         let lines = Lines::default();
         let printed = child.stderr.take();
         let mut process = Self {
             child,
+            mark,
             lines: Arc::clone(&lines),
             printer: None,
             ended: None,
@@ -104,6 +120,7 @@ impl Process {
         if self.ended.is_none() {
             self.ended = self.child.wait().ok();
         }
+        kill_marked(&format!("{MARK}={}", self.mark));
         self.ended
     }
 

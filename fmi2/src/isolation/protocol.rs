@@ -4,13 +4,16 @@
 pub(super) const MAGIC: &[u8; 4] = b"PFMU";
 
 /// Version of everything in this folder; both sides are the same program, unless it was replaced while it was running.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// First byte of a frame from the child: the answer to a frame of requests.
 pub(super) const REPLY: u8 = 1;
 
 /// First byte of a frame from the child: a message of the FMU.
 pub(super) const MESSAGE: u8 = 2;
+
+/// First byte of a frame from the child: a request of the frame is done and the next one begins.
+pub(super) const PROGRESS: u8 = 3;
 
 /// Outcome of a frame of requests, the byte after [`REPLY`].
 pub(super) mod outcome {

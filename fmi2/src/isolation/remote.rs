@@ -14,7 +14,7 @@ use crate::import::{Fmu, LogMessage};
 
 use super::frame::{Malformed, Reader, Receiver, Writer};
 use super::process::{self, Process};
-use super::protocol::{Code, MAGIC, MESSAGE, REPLY, VERSION, outcome};
+use super::protocol::{Code, MAGIC, MESSAGE, PROGRESS, REPLY, VERSION, outcome};
 use super::{End, GRACE, Isolation, IsolationError, Reported};
 use crate::instance::{InstanceError, SavedState};
 
@@ -26,6 +26,9 @@ const KEPT: usize = 1000;
 /// Requests that may be put off.
 const PUT_OFF: u32 = 256;
 
+/// Time after which a socket without answer is looked at again.
+const LOOK: Duration = Duration::from_millis(100);
+
 /// Messages of the FMU that are told with its end.
 const TOLD: usize = 5;
 
@@ -34,7 +37,7 @@ pub(super) struct Remote {
     name: String,
     /// Keeps the folder that the child works in.
     fmu: Fmu,
-    time_limit: Duration,
+    isolation: Isolation,
     process: Process,
     stream: UnixStream,
     receiver: Receiver<UnixStream>,
@@ -69,7 +72,7 @@ impl Remote {
         let started = Process::start(&program, &folder.join("resources"), name, isolation);
         let (process, stream) = started.map_err(failed("the system refuses"))?;
         let longest = isolation.time_limit.saturating_add(GRACE);
-        let timed = stream.set_read_timeout(Some(longest));
+        let timed = stream.set_read_timeout(Some(LOOK));
         timed
             .and_then(|()| stream.set_write_timeout(Some(longest)))
             .map_err(failed("its socket"))?;
@@ -77,7 +80,7 @@ impl Remote {
         let mut remote = Self {
             name: name.to_owned(),
             fmu: fmu.clone(),
-            time_limit: isolation.time_limit,
+            isolation: isolation.clone(),
             process,
             stream,
             receiver,
@@ -106,17 +109,19 @@ impl Remote {
         folder: &std::path::Path,
         program: PathBuf,
     ) -> Result<(), IsolationError> {
-        let limit = u64::try_from(self.time_limit.as_millis()).unwrap_or(u64::MAX);
+        let limit = u64::try_from(self.isolation.time_limit.as_millis()).unwrap_or(u64::MAX);
         let mut greeting = Writer::new();
         greeting.raw(MAGIC);
         greeting.u32(VERSION);
         greeting.u64(limit);
+        greeting.u64(self.isolation.memory_limit.unwrap_or(0));
         greeting.bytes(archive.as_os_str().as_bytes());
         greeting.bytes(folder.as_os_str().as_bytes());
         // a child that has gone is noticed when its answer is awaited
         let _ = greeting.send(&self.stream);
         let mut reply = [0; 8];
-        match self.receiver.receive() {
+        let deadline = self.deadline(1);
+        match self.receiver.receive_until(deadline) {
             Ok(Some(frame)) if frame.len() == reply.len() => reply.copy_from_slice(frame),
             Ok(Some(_)) => {}
             Ok(None) | Err(_) => return Err(self.lost("the start of its process", None)),
@@ -158,21 +163,16 @@ impl Remote {
         }
         self.requests.replace(0, &count.to_le_bytes());
         self.heard = self.log.len();
-        // each call may take its time
-        let deadline = Instant::now().checked_add(self.time_limit.saturating_mul(count).saturating_add(GRACE));
-        let late = |deadline: Option<Instant>| deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        // each call may take its time, and says so before the next one
+        let last = self.deadline(count);
+        let mut deadline = self.deadline(1);
         // a child that has gone may have left a word, which is read below
         let _ = self.requests.send(&self.stream);
         loop {
-            let frame = match self.receiver.receive() {
+            let frame = match self.receiver.receive_until(deadline) {
                 Ok(Some(frame)) => frame,
                 Ok(None) => return Err(self.lost(function, None)),
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) && !late(deadline) =>
-                {
-                    continue;
-                }
-                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                Err(error) if error.kind() == ErrorKind::TimedOut => {
                     let obituary = Obituary {
                         ending: Ending::TimeLimit,
                         time: self.time,
@@ -205,10 +205,11 @@ impl Remote {
                         }
                         self.log.push_back(message);
                     }
-                    if late(deadline) {
+                    if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                         return Err(self.lost(function, None));
                     }
                 }
+                [PROGRESS] => deadline = self.deadline(1).min(last),
                 other => {
                     let obituary = Obituary::from_bytes(other);
                     return Err(match obituary {
@@ -218,6 +219,12 @@ impl Remote {
                 }
             }
         }
+    }
+
+    /// Time by which so many calls are done, or the child has told why not; `None` beyond all times.
+    fn deadline(&self, calls: u32) -> Option<Instant> {
+        let patience = self.isolation.time_limit.saturating_mul(calls).saturating_add(GRACE);
+        Instant::now().checked_add(patience)
     }
 
     /// The child has ended, or is killed now.
@@ -231,7 +238,7 @@ impl Remote {
         };
         let at = time.map_or_else(String::new, |time| format!(" at t = {time} s"));
         let ending = match &obituary {
-            Some(obituary) => process::told(obituary.ending, self.time_limit),
+            Some(obituary) => process::told(obituary.ending, self.isolation.time_limit),
             None => process::ending(status),
         };
         let mut words: Vec<String> = self
@@ -261,12 +268,16 @@ impl Remote {
             }
             _ => "its messages (-vv) may explain it",
         };
+        let memory = match (ending, self.isolation.memory_limit) {
+            (Some(Ending::TimeLimit), _) | (_, None) => String::new(),
+            (_, Some(bytes)) => format!("memory_limit = {bytes} B may be too little for it, or "),
+        };
         let tool = self.fmu.description().generation_tool.as_deref();
         let maker = match tool.filter(|tool| !tool.is_empty()) {
             Some(tool) => format!("its maker (it was made with {tool})"),
             None => "its maker".to_owned(),
         };
-        format!("{user}, else it is a fault in the FMU, for {maker} to mend")
+        format!("{memory}{user}, else it is a fault in the FMU, for {maker} to mend")
     }
 
     /// The child cannot be relied on any more.

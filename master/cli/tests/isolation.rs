@@ -298,6 +298,59 @@ fn an_isolated_fmu_that_never_returns_is_killed_after_its_time() {
 }
 
 #[test]
+fn a_process_that_is_stopped_or_sends_nonsense_is_given_up_after_its_time() {
+    for (fault, words) in [
+        ("stop", "fmi2DoStep at t = 0.049 s took longer than step_timeout = 3 s"),
+        ("corrupt", "pantograph 1"),
+    ] {
+        let case = Case::new(&format!(
+            "isolate = true\nstep_timeout = 3\nparameters = {{ fault = \"{fault}\", at = 0.05 }}"
+        ));
+        let ended = case.run();
+        let said = ended.said();
+        assert_eq!(ended.output.status.code(), Some(1), "{fault}: {said}");
+        assert!(said.contains(words), "{fault}: {said}");
+        assert_eq!(case.rows("out"), 50, "{fault}");
+        // The limit, 2 s that the parent allows beyond it, and the run itself; not the limit for each call of a step.
+        assert!(ended.wall < Duration::from_secs(12), "{fault}: {:?}", ended.wall);
+    }
+}
+
+#[test]
+fn an_isolated_fmu_that_takes_too_much_memory_ends_the_run_with_its_results() {
+    let case = Case::new(
+        "isolate = true\nmemory_limit = 3e8\nstep_timeout = 60\nparameters = { fault = \"hoard\", at = 0.05 }",
+    );
+    let ended = case.run();
+    let said = ended.said();
+    assert_eq!(ended.output.status.code(), Some(1), "{said}");
+    for words in ["crashed with SIGABRT", "memory_limit = 300000000 B may be too little"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert_eq!(case.rows("out"), 50);
+    let said = Case::new("memory_limit = 3e8").run().said();
+    assert!(
+        said.contains("pantograph[1].memory_limit") && said.contains("isolate = true given"),
+        "{said}"
+    );
+}
+
+#[test]
+fn one_process_answers_for_an_fmu_that_makes_copies_of_its_own() {
+    let series = |fault: &str| {
+        let case = Case::isolated(fault, 0.05);
+        let ended = case.run();
+        assert!(ended.output.status.success(), "{fault}: {}", ended.said());
+        std::fs::read_to_string(case.results("out").join("timeseries.csv")).unwrap()
+    };
+    let plain = series("");
+    // `run` has seen that none of their processes is left.
+    for fault in ["fork", "helper", "daemon"] {
+        assert!(series(fault) == plain, "{fault}: the results are others");
+    }
+}
+
+#[test]
 fn bad_statuses_of_an_isolated_fmu_are_told_as_those_of_any_other() {
     ends_with_results("fatal", &["pantograph 1 (Head): fmi2DoStep returned fmi2Fatal"]);
     ends_with_results("error", &["fmi2DoStep returned fmi2Error: the head is lost at 5."]);

@@ -105,13 +105,8 @@ impl Inspection {
             .count()
             .max(1);
         let mut entry = scene::Supplied {
-            fmu: String::new(),
-            isolate: false,
             step_timeout: PATIENCE,
-            environment: std::collections::BTreeMap::new(),
-            parameters: std::collections::BTreeMap::new(),
-            inputs: std::collections::BTreeMap::new(),
-            outputs: std::collections::BTreeMap::new(),
+            ..scene::Supplied::unwired("")
         };
         let wiring = Wiring::resolve(description, &mut entry, side.unwrap_or(Side::Pantograph), strips);
         let experiment = description.default_experiment.unwrap_or_default();

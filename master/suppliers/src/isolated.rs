@@ -10,6 +10,7 @@ use scene::Supplied;
 pub fn isolation_of(entry: &Supplied) -> Option<Isolation> {
     entry.isolate.then(|| Isolation {
         time_limit: time_limit(entry),
+        memory_limit: entry.memory_limit.map(|bytes| bytes as u64),
         environment: entry.environment.clone(),
     })
 }
@@ -24,24 +25,21 @@ pub fn time_limit(entry: &Supplied) -> Duration {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use super::*;
 
     #[test]
     fn a_time_limit_is_a_millisecond_at_least() {
-        let entry = |step_timeout, isolate| scene::Supplied {
-            fmu: String::new(),
+        let entry = |step_timeout, isolate| Supplied {
             isolate,
             step_timeout,
-            environment: BTreeMap::new(),
-            parameters: BTreeMap::new(),
-            inputs: BTreeMap::new(),
-            outputs: BTreeMap::new(),
+            memory_limit: Some(1e9),
+            ..Supplied::unwired("")
         };
         assert_eq!(time_limit(&entry(60.0, false)), Duration::from_secs(60));
         assert_eq!(time_limit(&entry(1e-9, false)), Duration::from_millis(1));
         assert!(time_limit(&entry(1e300, false)) > Duration::from_secs(86_400));
         assert_eq!(isolation_of(&entry(60.0, false)), None);
+        let isolation = isolation_of(&entry(60.0, true)).unwrap();
+        assert_eq!(isolation.memory_limit, Some(1_000_000_000));
     }
 }

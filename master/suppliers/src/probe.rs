@@ -127,6 +127,7 @@ pub fn isolation(entry: &Supplied) -> Option<Isolation> {
     isolation_of(entry).or_else(|| {
         (cfg!(unix) && isolation::serves()).then(|| Isolation {
             time_limit: time_limit(entry),
+            memory_limit: None,
             environment: std::collections::BTreeMap::new(),
         })
     })

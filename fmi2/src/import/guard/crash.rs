@@ -18,6 +18,7 @@ static BEFORE: OnceLock<[libc::sigaction; SIGNALS.len()]> = OnceLock::new();
 pub fn install(report: Report) {
     static INSTALLED: Once = Once::new();
     report::direct(report);
+    report::own();
     INSTALLED.call_once(|| {
         // SAFETY: a sigaction of zeros is valid: the default action.
         let mut before: [libc::sigaction; SIGNALS.len()] = unsafe { std::mem::zeroed() };
@@ -42,7 +43,9 @@ pub fn install(report: Report) {
 }
 
 extern "C" fn on_signal(signal: c_int, info: *mut libc::siginfo_t, _context: *mut c_void) {
-    if let Some(call) = note::of_this_thread().or_else(note::of_any_thread) {
+    if !report::is_copy()
+        && let Some(call) = note::of_this_thread().or_else(note::of_any_thread)
+    {
         report::end(&call, Ending::Signal(signal));
     }
     // Faults outside an FMU go to the previous handler: a fault occurs again when the handler returns, a sent signal is
@@ -68,7 +71,9 @@ fn on_end() {
         fn on_exit(function: extern "C" fn(c_int, *mut c_void), argument: *mut c_void) -> c_int;
     }
     extern "C" fn ended(status: c_int, _argument: *mut c_void) {
-        if let Some(call) = note::of_this_thread() {
+        if !report::is_copy()
+            && let Some(call) = note::of_this_thread()
+        {
             report::end(&call, Ending::Exit(status));
         }
     }
@@ -79,10 +84,21 @@ fn on_end() {
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 fn on_end() {
     extern "C" fn ended() {
-        if let Some(call) = note::of_this_thread() {
+        if !report::is_copy()
+            && let Some(call) = note::of_this_thread()
+        {
             report::end(&call, Ending::Exit(-1));
         }
     }
     // SAFETY: the function lives as long as the program.
     unsafe { libc::atexit(ended) };
+}
+
+/// Ends this process where it is a copy of the one that [`install`] was called in, made by an FMU's `fork()` and come
+/// back from the FMU.
+pub fn end_of_copy() {
+    if report::is_copy() {
+        // SAFETY: ends the copy without handlers, which belong to the process that it is a copy of.
+        unsafe { libc::_exit(0) };
+    }
 }

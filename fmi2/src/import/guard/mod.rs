@@ -20,7 +20,7 @@ mod report;
 mod watchdog;
 
 #[cfg(unix)]
-pub use crash::install;
+pub use crash::{end_of_copy, install};
 /// Receiver of last words; crashes are not noticed on this system.
 #[cfg(not(unix))]
 pub fn install(report: Report) {

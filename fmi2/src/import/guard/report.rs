@@ -2,10 +2,26 @@
 //! allocates, locks nor panics.
 
 use super::note::Call;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 
 /// Receiver of last words: a descriptor, or −1 for a sentence on the standard error stream.
 static TO: AtomicI32 = AtomicI32::new(-1);
+
+/// Process that last words are of; 0 before there is one.
+static OWN: AtomicU32 = AtomicU32::new(0);
+
+/// Takes this process for the one that last words are of.
+#[cfg(unix)]
+pub(super) fn own() {
+    OWN.store(std::process::id(), Ordering::Relaxed);
+}
+
+/// `true` in a copy of that process, which has its handlers and none of its duties.
+#[cfg(unix)]
+pub(super) fn is_copy() -> bool {
+    let own = OWN.load(Ordering::Relaxed);
+    own != 0 && own != std::process::id()
+}
 
 /// Form of last words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -263,7 +263,7 @@ impl Drop for Remote {
         if !self.ended {
             // the child frees the instance in order when nothing more can come
             let _ = self.stream.shutdown(Shutdown::Write);
-            let status = self.process.end(self.time_limit.saturating_add(GRACE));
+            let status = self.process.end(self.isolation.time_limit.saturating_add(GRACE));
             if !status.is_some_and(|status| status.success()) {
                 eprintln!(
                     "{}: it failed at its end, in fmi2Terminate or fmi2FreeInstance",

@@ -38,7 +38,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use scene::{Files, Scene};
-use tempfile::TempDir;
 
 use crate::cli::Common;
 use cosim::package::PackageError;
@@ -293,7 +292,7 @@ pub struct SceneFile {
     /// Folder that paths in it are relative to.
     pub base: PathBuf,
     /// The unpacked archive, where the scene was made of an `.ssp`.
-    pub unpacked: Option<TempDir>,
+    pub unpacked: Option<fmi2::scratch::Scratch>,
     /// How such an archive was read.
     pub notes: Vec<String>,
 }

@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 typedef void (*logger_t)(void *, const char *, int, const char *, const char *, ...);
@@ -19,6 +21,7 @@ typedef struct {
     callbacks_t host;
     double force, z, v, at, static_force, time;
     char fault[64];
+    int done;
 } head_t;
 
 static volatile int forever = 1;
@@ -29,6 +32,30 @@ static void *chatter(void *argument) {
     head_t *c = argument;
     c->host.logger(c->host.environment, "head", 0, NULL, "from another thread, %d", 42);
     return NULL;
+}
+
+/* Writes bytes that mean nothing to every socket of the process. */
+static void corrupt(void) {
+    for (int place = 0; place < 64; place++) send(place, "\1\1\1\1\1", 5, MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+/* A process in a session of its own, which outlives its parents. */
+static void daemon_of_its_own(void) {
+    if (fork() == 0) {
+        setsid();
+        if (fork() == 0) sleep(60);
+        _exit(0);
+    }
+    wait(NULL);
+}
+
+/* Takes all memory that it can have, and does not bear to have no more. */
+static void hoard(void) {
+    for (;;) {
+        char *memory = malloc(1 << 24);
+        if (memory == NULL) abort();
+        memset(memory, 1, 1 << 24);
+    }
 }
 
 /* Returns a status, or does not return. */
@@ -42,6 +69,15 @@ static int fail(head_t *c, const char *fault) {
     if (strcmp(fault, "exit") == 0) exit(3);
     if (strcmp(fault, "_exit") == 0) _exit(4);
     if (strcmp(fault, "kill") == 0) raise(SIGKILL);
+    if (strcmp(fault, "stop") == 0) raise(SIGSTOP);
+    if (strcmp(fault, "corrupt") == 0) { corrupt(); raise(SIGSTOP); }
+    if (strcmp(fault, "hoard") == 0) hoard();
+    if (strcmp(fault, "daemon") == 0 && !c->done++) daemon_of_its_own();
+    if (strcmp(fault, "fork") == 0 && !c->done++) fork();
+    if (strcmp(fault, "helper") == 0 && !c->done++) {
+        if (fork() == 0) exit(0);
+        wait(NULL);
+    }
     if (strcmp(fault, "fatal") == 0) return 4;
     if (strcmp(fault, "error") == 0) {
         c->host.logger(c->host.environment, "head", 3, "e", "the head is lost at %.2f m", c->z);

@@ -66,7 +66,7 @@ fn kept(package: &Package, path: &Path) -> Result<Option<Fmu>, PackageError> {
 
 /// The FMU from a folder of its own.
 fn privately(package: &Package, name: &str) -> Result<Fmu, PackageError> {
-    let folder = tempfile::tempdir().map_err(|source| PackageError::Read {
+    let folder = fmi2::scratch::Scratch::new().map_err(|source| PackageError::Read {
         path: std::env::temp_dir(),
         source,
     })?;

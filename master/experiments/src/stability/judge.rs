@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use fmi2::scratch::Scratch;
 use serde::Serialize;
-use tempfile::TempDir;
 
 use super::bench::{CaseBench, Way};
 use super::cases::Case;
@@ -92,7 +92,7 @@ pub struct Stability {
     /// Curves of the maps.
     tasks: Vec<Task>,
     /// Packages of FMUs.
-    _fmus: Option<TempDir>,
+    _fmus: Option<Scratch>,
 }
 
 impl Stability {
@@ -102,7 +102,7 @@ impl Stability {
     /// # Errors
     /// A folder for packages that cannot be made.
     pub fn new(cases: Vec<Case>, fmus: bool, boundaries: bool, resolution: usize) -> std::io::Result<Self> {
-        let folder = fmus.then(tempfile::tempdir).transpose()?;
+        let folder = fmus.then(Scratch::new).transpose()?;
         let at = |case: Case| match &folder {
             Some(folder) => case.with_fmus(folder.path()),
             None => case,

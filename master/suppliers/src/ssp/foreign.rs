@@ -1,15 +1,13 @@
 //! A system of supplied FMUs as a line and pantographs: role and wiring of each component.
 
-use std::collections::BTreeMap;
-
 use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality};
-use scene::{Offset, ParameterValue, STEP_TIMEOUT, Supplied};
+use scene::{Offset, ParameterValue, Supplied};
 
 use super::SspError;
 use super::document::{Component, Description, Linear};
 use super::flows::{Flow, flows, line_of};
-use super::parameters::{Values, values};
+use super::parameters::values;
 use super::read::File;
 use super::signals::{Tap, Wire, loads, motions};
 use super::unpacked::Unpacked;
@@ -39,7 +37,7 @@ impl Foreign {
                 source: Box::new(source),
             })?);
             let inside = path.strip_prefix(unpacked.folder).unwrap_or(&path);
-            sides.push(unwired(inside.display().to_string()));
+            sides.push(Supplied::unwired(inside.display().to_string()));
         }
         let flows = flows(description, &fmus, unpacked, notes)?;
         let line = line_of(description, &flows, unpacked)?;
@@ -47,10 +45,10 @@ impl Foreign {
             side.parameters = values;
         }
         let (places, speed) = places(&fmus, &sides, &flows, line);
-        let mut line_side = std::mem::replace(&mut sides[line], unwired(String::new()));
+        let mut line_side = std::mem::replace(&mut sides[line], Supplied::unwired(""));
         let mut pantographs = Vec::new();
         for (rank, place) in places.into_iter().enumerate() {
-            let side = std::mem::replace(&mut sides[place.component], unwired(String::new()));
+            let side = std::mem::replace(&mut sides[place.component], Supplied::unwired(""));
             let mut pair = Pair {
                 file,
                 component: &system.components[place.component],
@@ -82,19 +80,6 @@ impl Foreign {
             pantographs,
             speed,
         })
-    }
-}
-
-/// An FMU that nothing is said about yet.
-fn unwired(fmu: String) -> Supplied {
-    Supplied {
-        fmu,
-        isolate: false,
-        step_timeout: STEP_TIMEOUT,
-        environment: BTreeMap::new(),
-        parameters: Values::new(),
-        inputs: BTreeMap::new(),
-        outputs: BTreeMap::new(),
     }
 }
 

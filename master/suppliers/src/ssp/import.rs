@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use fmi2::archive::{Limits, extract};
+use fmi2::scratch::Scratch;
 use scene::Scene;
-use tempfile::TempDir;
 
 use super::digest::digest;
 use super::foreign::Foreign;
@@ -20,7 +20,7 @@ pub struct Imported {
     /// Notes on how the archive was read, and on unused parts.
     pub notes: Vec<String>,
     /// The unpacked archive, removed when this is dropped.
-    pub folder: TempDir,
+    pub folder: Scratch,
 }
 
 /// Reads an `.ssp`; `overrides` are those of the command line.
