@@ -31,6 +31,19 @@ impl Machine {
         }
     }
 
+    /// Memory that this process may still take, bytes: that of the machine, or what the group that it belongs to is
+    /// allowed; nothing where the system does not tell.
+    #[must_use]
+    pub fn free_memory() -> Option<f64> {
+        let number = |file: &str| fs::read_to_string(file).ok()?.trim().parse::<f64>().ok();
+        let info = fs::read_to_string("/proc/meminfo").ok()?;
+        let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+        let free: f64 = free.trim().trim_end_matches(" kB").parse().ok()?;
+        let allowed = number("/sys/fs/cgroup/memory.max").zip(number("/sys/fs/cgroup/memory.current"));
+        let left = allowed.map_or(f64::INFINITY, |(most, taken)| most - taken);
+        Some(left.min(1024.0 * free))
+    }
+
     /// One line.
     #[must_use]
     pub fn name(&self) -> String {

@@ -18,6 +18,23 @@ pub enum SetupError {
     /// The scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The line is larger than the memory that is free.
+    #[error(
+        "catenary.spans = {spans}: the line has {coordinates:.0} coordinates and needs about {needed:.1} GB of memory, \
+         and this machine has {free:.1} GB free: must be {remedy}"
+    )]
+    Memory {
+        /// Spans of the line.
+        spans: usize,
+        /// Coordinates of the line.
+        coordinates: f64,
+        /// Memory that it needs, GB.
+        needed: f64,
+        /// Memory that is free, GB.
+        free: f64,
+        /// Other values that would do.
+        remedy: &'static str,
+    },
     /// The line has no static state.
     #[error("the line of the scene")]
     Line(#[from] CatenaryError),
@@ -107,6 +124,7 @@ impl SetupError {
         matches!(
             self,
             Self::Scene(_)
+                | Self::Memory { .. }
                 | Self::Line(_)
                 | Self::Equilibrium(_)
                 | Self::NoStatics { .. }

@@ -12,6 +12,7 @@ mod modelled;
 pub mod paths;
 mod prepare;
 mod rest_position;
+pub mod size;
 mod slaves;
 pub mod sliding_joint;
 mod static_lines;

@@ -9,8 +9,8 @@ use fmi2::import::{Fmu, Options};
 use scene::{Connection, Line, PantographModel, Scene, Start, Supplied};
 
 use crate::statics_hints::with_suspects;
-use crate::table_files;
 use crate::{Prepared, SetupError, StaticLines};
+use crate::{size, table_files};
 use cosim::fmu_slave::CosimulationError;
 use suppliers::{Side, StripAtStart, SuppliedLine, SuppliedPantograph, SupplierError, Wiring, aligned, own_heights};
 use system::disturbance::Disturbance;
@@ -57,6 +57,7 @@ pub fn prepare_on(
 ) -> Result<Prepared, SetupError> {
     let begin = Instant::now();
     table_files::read(&mut scene, name, base)?;
+    size::check(&scene)?;
     let statics = match &scene.catenary {
         Line::Modelled(_) => Some(lines.of(&scene).map_err(|error| with_suspects(error.into(), &scene))?),
         Line::Supplied(_) => None,

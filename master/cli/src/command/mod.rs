@@ -293,7 +293,7 @@ pub struct SceneFile {
     pub base: PathBuf,
     /// The unpacked archive, where the scene was made of an `.ssp`.
     pub unpacked: Option<fmi2::scratch::Scratch>,
-    /// How such an archive was read.
+    /// How such an archive was read, and the size of a large line.
     pub notes: Vec<String>,
 }
 
@@ -323,12 +323,13 @@ impl SceneFile {
         let origin = path.display().to_string();
         let scene = system::load_with(&text, &origin, &common.overrides, &files).map_err(SetupError::from)?;
         drop(files);
+        let notes = simulation::size::notice(&scene).into_iter().collect();
         Ok(Self {
             scene,
             name: scene_name(&found),
             base,
             unpacked: None,
-            notes: Vec::new(),
+            notes,
         })
     }
 
