@@ -182,6 +182,27 @@ fn a_null_component_is_an_error_for_every_function() {
 }
 
 #[test]
+fn a_count_that_no_call_has_is_refused_before_memory_is_taken_for_it() {
+    let raw = Raw::new();
+    let c = raw.instantiate(Some("a"), 1, Some(raw.guid()), None);
+    let label = [support::at::LABEL as u32];
+    let mut text: fmi2String = null();
+    let number = [0_u32];
+    let mut value = 0.0;
+    for count in [1_usize << 25, 1 << 40, usize::MAX] {
+        // SAFETY: the component is alive; a count that large is what is tested, and nothing behind the pointers is read.
+        unsafe {
+            let get_string = raw.function::<GetFn<fmi2String>>("fmi2GetString");
+            assert_eq!(get_string(c, label.as_ptr(), count, &raw mut text), ERROR);
+            let get_real = raw.function::<GetFn<f64>>("fmi2GetReal");
+            assert_eq!(get_real(c, number.as_ptr(), count, &raw mut value), ERROR);
+        }
+    }
+    // SAFETY: the component is alive and not used again.
+    unsafe { raw.function::<FreeInstanceFn>("fmi2FreeInstance")(c) };
+}
+
+#[test]
 fn null_pointers_are_fine_for_nothing_and_refused_for_something() {
     let raw = Raw::new();
     let c = raw.instantiate(Some("a"), 1, Some(raw.guid()), None);

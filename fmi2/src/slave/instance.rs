@@ -183,6 +183,21 @@ fn fail<M: Model>(instance: &mut Instance<M>, call: Call, model_failed: bool) ->
     Status::Error
 }
 
+/// Most elements that a call may have: far more than variables, and a count that is not one in other calls is caught
+/// before memory is taken for it.
+const MOST: usize = 1 << 24;
+
+/// Refuses a null pointer and a count that no call has.
+fn plausible<T>(pointer: *const T, count: usize, what: &str) -> Result<(), Failure> {
+    if pointer.is_null() {
+        return refuse(format!("the pointer to {count} {what} is null"));
+    }
+    if count > MOST {
+        return refuse(format!("{count} {what}: must be {MOST} at most"));
+    }
+    Ok(())
+}
+
 /// The elements behind a pointer of the importer; no slice is made of a null pointer.
 ///
 /// # Safety
@@ -192,9 +207,7 @@ pub(super) unsafe fn elements<'a, T>(pointer: *const T, count: usize, what: &str
     if count == 0 {
         return Ok(&[]);
     }
-    if pointer.is_null() {
-        return refuse(format!("the pointer to {count} {what} is null"));
-    }
+    plausible(pointer, count, what)?;
     // SAFETY: not null, and forwarded to the caller.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
@@ -208,9 +221,7 @@ pub(super) unsafe fn elements_mut<'a, T>(pointer: *mut T, count: usize, what: &s
     if count == 0 {
         return Ok(&mut []);
     }
-    if pointer.is_null() {
-        return refuse(format!("the pointer to {count} {what} is null"));
-    }
+    plausible(pointer, count, what)?;
     // SAFETY: not null, and forwarded to the caller.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }

@@ -1,5 +1,8 @@
 //! A system of supplied FMUs as a line and pantographs: role and wiring of each component.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality};
 use scene::{Offset, ParameterValue, Supplied};
@@ -28,14 +31,22 @@ impl Foreign {
         let system = &description.system;
         let file = unpacked.structure();
         let (mut fmus, mut sides) = (Vec::new(), Vec::new());
+        let mut opened: BTreeMap<_, Fmu> = BTreeMap::new();
         for component in &system.components {
             let refuse = |problem| file.refuse(component.line, format!("component \"{}\": {problem}", component.name));
             let path = unpacked.file(&component.source).map_err(refuse)?;
-            fmus.push(Fmu::open(&path).map_err(|source| SspError::Fmu {
-                path: unpacked.archive.to_owned(),
-                component: component.name.clone(),
-                source: Box::new(source),
-            })?);
+            // Many components may be of one FMU, which is unpacked once.
+            let fmu = match opened.entry(path.clone()) {
+                Entry::Occupied(known) => known.get().clone(),
+                Entry::Vacant(place) => place
+                    .insert(Fmu::open(&path).map_err(|source| SspError::Fmu {
+                        path: unpacked.archive.to_owned(),
+                        component: component.name.clone(),
+                        source: Box::new(source),
+                    })?)
+                    .clone(),
+            };
+            fmus.push(fmu);
             let inside = path.strip_prefix(unpacked.folder).unwrap_or(&path);
             sides.push(Supplied::unwired(inside.display().to_string()));
         }

@@ -116,6 +116,18 @@ fn pantograph(scene: &Scene) -> &Supplied {
 }
 
 #[test]
+fn thousands_of_components_of_one_fmu_are_read_and_the_idle_one_is_named() {
+    let idle: String = (0..3000)
+        .map(|n| format!("<s:Component name=\"idle {n}\" source=\"resources/k.fmu\"/>\n"))
+        .collect();
+    let said = refusal(&BODY.replacen("<s:Elements>", &format!("<s:Elements>{idle}"), 1));
+    assert!(
+        said.contains("component \"idle 0\" is connected to no other one"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_system_of_another_tool_becomes_a_scene() {
     let imported = imported(BODY).unwrap();
     let scene = &imported.scene;
