@@ -15,4 +15,4 @@ pub mod reproduce;
 pub mod stability;
 pub mod study;
 
-pub use study::{identity, rank};
+pub use study::rank;

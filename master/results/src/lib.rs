@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod animation;
+pub mod curve;
 mod detail;
 mod directory;
 mod error;

@@ -3,6 +3,7 @@ use component::{DropperLine, Frame, Share};
 use super::*;
 use crate::statistics::Filter;
 
+mod curve;
 mod exchange;
 mod instrument;
 mod undecided;

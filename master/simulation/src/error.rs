@@ -1,6 +1,10 @@
 //! Why a run cannot begin.
 
+use std::error::Error;
+
 use catenary::CatenaryError;
+use fmi2::instance::InstanceError;
+use fmi2::isolation::IsolationError;
 use scene::SceneError;
 
 use cosim::algorithm::CouplingError;
@@ -135,5 +139,76 @@ impl SetupError {
         ) || matches!(self, Self::Wiring { source, .. } if source.is_input())
             || matches!(self, Self::Cosimulation(source) if source.is_input())
             || matches!(self, Self::Settling(source) if source.is_input())
+    }
+
+    /// True where an FMU file is the reason, which all runs of a scene have in common.
+    #[must_use]
+    pub fn concerns_all_runs(&self) -> bool {
+        matches!(self, Self::Package(_) | Self::FmuFile(_) | Self::SceneFmu { .. })
+    }
+}
+
+/// `true` where an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not
+/// start.
+#[must_use]
+pub fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
+    if let Some(error) = error.downcast_ref::<IsolationError>() {
+        return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
+    }
+    // An error that shows the message of the one that it holds shows its source too, and not the one itself.
+    let held: Option<&(dyn Error + 'static)> = if let Some(InstanceError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(SupplierError::Fmu(held)) = error.downcast_ref() {
+        Some(held)
+    } else {
+        match error.downcast_ref() {
+            Some(SetupError::Cosimulation(held)) => Some(held),
+            Some(SetupError::Wiring { source, .. }) => Some(&**source),
+            _ => error.source(),
+        }
+    };
+    held.is_some_and(lost_a_process)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use system::run::Failure;
+
+    #[test]
+    fn a_run_whose_fmu_lost_its_process_is_told_from_one_that_its_fmu_refused() {
+        let gone = || IsolationError::Gone {
+            instance: "pantograph".to_owned(),
+        };
+        let refused = || IsolationError::Reported {
+            message: "no".to_owned(),
+            kind: fmi2::isolation::Reported::Refused,
+        };
+        let in_a_step = |error: IsolationError| {
+            let source = Box::new(InstanceError::Isolation(error));
+            SlaveError::Step {
+                slave: "pantograph".to_owned(),
+                t: 0.5,
+                h: 1e-3,
+                retryable: false,
+                source,
+            }
+        };
+        let wired = |error: IsolationError| SetupError::Wiring {
+            key: "pantograph[1]".to_owned(),
+            source: Box::new(SupplierError::Fmu(CosimulationError::Isolation(error))),
+        };
+        let ways: [fn(SlaveError) -> Box<dyn Error>; 3] = [
+            |error| Box::new(Failure::Step(CouplingError::Slave(error))),
+            |error| Box::new(SetupError::from(SettlingError::Step(error))),
+            |error| Box::new(SetupError::Cosimulation(CosimulationError::Slave(error))),
+        ];
+        for way in ways {
+            assert!(lost_a_process(&*way(in_a_step(gone()))));
+            assert!(!lost_a_process(&*way(in_a_step(refused()))));
+        }
+        assert!(lost_a_process(&wired(gone())) && !lost_a_process(&wired(refused())));
     }
 }

@@ -3,9 +3,11 @@
 #![forbid(unsafe_code)]
 
 mod accuracy;
+pub mod base_motion;
 pub mod check;
 pub mod check_page;
 mod error;
+pub mod identity;
 pub mod latency;
 mod mesh;
 mod modelled;
@@ -46,7 +48,7 @@ use system::one_system::{Evidence, OneSystem};
 use system::run::{Failure, Outcome, Schedule, Steps, Watch};
 use system::step_times::StepTimes;
 
-pub use self::error::SetupError;
+pub use self::error::{SetupError, lost_a_process};
 pub use crate::prepare::{Other, prepare, prepare_on};
 pub use crate::static_lines::StaticLines;
 use cosim::chain;
@@ -145,6 +147,19 @@ pub fn evaluated_spans(scene: &Scene) -> (usize, usize) {
     ranges.fold((catenary.spans(), 1), |(first, last), (from, to)| {
         (first.min(span(from)), last.max(span(to)))
     })
+}
+
+/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part
+/// in the figures, and the filter has forgotten its end by a factor of exp(−24).
+pub const SETTLE: f64 = 10.0;
+
+/// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has
+/// settled; not longer than the scene's.
+#[must_use]
+pub fn settled(scene: &Scene) -> f64 {
+    let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
+    let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
+    scene.run.duration.min(end)
 }
 
 /// A run that has ended, complete or not.

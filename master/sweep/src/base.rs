@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use scene::{Files, Scene, SceneError, SceneFile};
 
-use experiments::engine::store::{by_content, digest};
+use simulation::identity::{by_content, digest};
 
 /// Text of a scene with the keys that are set for all cases, and the files beside it.
 pub struct Base {

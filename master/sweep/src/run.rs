@@ -6,13 +6,13 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use experiments::engine::store::{digest, program};
 use experiments::engine::table::Status;
 use experiments::engine::{Crew, Guard, side_by_side};
 use results::ResultsError;
 use results::report::{Progress, Show};
 use scene::Scene;
 use serde::Serialize;
+use simulation::identity::{digest, program};
 use simulation::{FmuSource, Mode, StaticLines};
 
 use crate::base::{Base, Numbers};

@@ -1,12 +1,13 @@
 //! `validation.html`.
 
+use results::report::format::{decimals, or_dash};
 use results::report::{Page, cell, escape, head_cells, saved, verdict_class, verdict_word};
 
 use crate::measured::Measured;
 use crate::record::{Record, Run};
 
 fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.digits$}").replace('-', "−"))
+    decimals(value, digits).replace('-', "−")
 }
 
 /// Measured figures beside those of the run as one system, and spectra of both.
@@ -23,9 +24,7 @@ fn measured(measured: &Measured, number_of_case: usize) -> String {
     let lines = measured.figures.iter().map(|compared| {
         let (class, word) = (verdict_class(compared.pass), verdict_word(compared.pass));
         let mark = if compared.remembered { " [R]" } else { "" };
-        let bound = compared
-            .bound_percent
-            .map_or_else(|| "–".to_owned(), |bound| format!("± {bound}{mark}"));
+        let bound = or_dash(compared.bound_percent.map(|bound| format!("± {bound}{mark}")));
         cell("", compared.quantity.name())
             + &cell("s", &format!("<b class=\"{class}\">{word}</b>"))
             + &cell("n", &number(Some(compared.measured), 2))

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use component::Progress;
-use experiments::engine::store::{by_content, digest, program};
 use results::Machine;
 use results::report::verdict_word;
 use results::statistics::rms_difference;
 use results::{ErrorShare, Record as Series, Summary};
 use scene::Files;
 use serde::Serialize;
+use simulation::identity::{by_content, digest, program};
 use simulation::{FmuSource, Mode, StaticLines, prepare_on};
 use system::run::Watch;
 

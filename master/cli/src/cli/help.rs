@@ -1,7 +1,7 @@
 //! Texts at the end of helps.
 
-use experiments::engine::run::SETTLE;
 use experiments::engine::table::STATUS_RULE;
+use simulation::SETTLE;
 
 /// Exit statuses of every command but `run`.
 pub(crate) const EXIT_STATUS: &str = "Exit status: 0 done, 1 not completed, 2 wrong usage, scene or FMU.";

@@ -84,7 +84,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     let rank = [&directory, &default]
         .into_iter()
         .find_map(|folder| experiments::rank(folder, &file.scene, &file.base, mode));
-    let identity = experiments::identity(&file.scene, &file.base);
+    let identity = simulation::identity::identity(&file.scene, &file.base);
     let uncertainty = [&directory, &default]
         .into_iter()
         .find_map(|runs| ::sweep::sensitivity::uncertainty(&super::sensitivity::folder(runs), &identity));

@@ -6,11 +6,12 @@ use scene::Scene;
 use serde::Serialize;
 
 use super::plan::{ComparedRun, StepGroup, groups, plan};
-use crate::engine::table::{AUTO, Errors, ForceCurve, Keys, RunRow, observed_orders, pointwise_rms};
-use crate::engine::{Bench, Experiment, Planned, Run, Sheet, Stage, Table, Timed, Unmade, settled};
+use crate::engine::table::{AUTO, Keys, RunRow, observed_orders};
+use crate::engine::{Bench, Experiment, Planned, Run, Sheet, Stage, Table, Timed, Unmade};
+use results::curve::{Errors, ForceCurve, pointwise_rms};
 use results::report::Page;
 use simulation::sliding_joint;
-use simulation::{Mode, SetupError, prepare};
+use simulation::{Mode, SetupError, prepare, settled};
 
 /// A comparison that can begin.
 pub struct Compare {

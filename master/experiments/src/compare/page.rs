@@ -6,13 +6,15 @@ use plotly::layout::Axis;
 
 use super::Comparison;
 use super::plan::algorithms;
-use crate::engine::export::plot::{ERROR, dotted, marked_axis, points, run_curve};
-use crate::engine::export::{fixed, grouped, number, reasons, run_lines, scene_lead, status_rule, status_span, step};
-use crate::engine::run::SETTLE;
-use crate::engine::table::{AUTO, RunRow, Status, milliseconds};
-use results::report::plots::{Trace, axis, colour, curve, decades_of, figure, layout, rounded};
+use crate::engine::export::plot::{ERROR, run_curve};
+use crate::engine::export::{grouped, reasons, run_lines, scene_lead, status_rule, status_span};
+use crate::engine::table::{AUTO, RunRow, Status};
+use results::report::format::{fixed, milliseconds, number, step};
+use results::report::plots::{
+    Trace, axis, colour, curve, decades_of, dotted, figure, layout, marked_axis, points, rounded,
+};
 use results::report::{Page, PageColumn, cell, escape, heads, lined, remarks, scrolled, spanning};
-use simulation::Mode;
+use simulation::{Mode, SETTLE};
 
 /// Colour of the monolithic runs.
 const REFERENCE: &str = "#1c2430";

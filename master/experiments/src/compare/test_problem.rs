@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::page::step_heads;
 use crate::engine::export::status_span;
-use crate::engine::table::{Columns, RunRow, Status, milliseconds, short};
+use crate::engine::table::{Columns, RunRow, Status};
 use crate::engine::{Bench, Experiment, Planned, Sheet, Table, Unmade};
 use cosim::test_problem::{self, Case};
 use results::Machine;
+use results::report::format::{milliseconds, short};
 use results::report::{Page, TextColumn, aligned, cell, escape, heading, lined, text_cells};
 use results::statistics::ForceStatistics;
 use simulation::Mode;

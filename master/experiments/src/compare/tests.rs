@@ -6,12 +6,11 @@ use super::page::page;
 use super::plan::{groups, plan};
 use super::text::text;
 use super::*;
-use crate::engine::run::SETTLE;
 use crate::engine::table::{AUTO, Keys, RunRow, Status, macro_step};
 use crate::engine::tests::executed_in;
 use crate::engine::{Stage, Store, Table as _};
 use results::Machine;
-use simulation::Mode;
+use simulation::{Mode, SETTLE};
 
 #[test]
 fn short_macro_steps_do_not_make_the_long_ones_dear() {

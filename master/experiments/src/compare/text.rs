@@ -1,9 +1,10 @@
 //! The table on the terminal.
 
 use super::Comparison;
-use crate::engine::export::{fixed, scene_head, status_word, wrapped};
-use crate::engine::table::{RunRow, milliseconds, or_dash, short};
-use results::report::{TextColumn, aligned, decimals, heading, text_cells};
+use crate::engine::export::{scene_head, status_word};
+use crate::engine::table::RunRow;
+use results::report::format::{decimals, fixed, milliseconds, or_dash, short, wrapped};
+use results::report::{TextColumn, aligned, heading, text_cells};
 
 /// Columns of the table.
 const COLUMNS: &[TextColumn<RunRow, 2>] = &[

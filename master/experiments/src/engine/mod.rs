@@ -26,6 +26,6 @@ pub(crate) mod tests;
 pub use export::{Exporter, Sheet, Table};
 pub use plan::{Experiment, ExperimentError, Planned, Timing, Unmade};
 pub use pool::{Bench, Crew, Guard, Site, Timed, execute, side_by_side};
+pub(crate) use run::median;
 pub use run::{Attempt, Evidence, Run, Stage, Variant};
-pub(crate) use run::{median, settled};
 pub use store::{Store, Times};

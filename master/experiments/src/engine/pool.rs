@@ -14,7 +14,7 @@ use super::memory::{forget_touched, touched};
 use super::plan::{Experiment, ExperimentError, Planned, Timing, Unmade};
 use super::run::{Attempt, Run};
 use super::store::{Store, Times, key, value_key};
-use super::table::ForceCurve;
+use results::curve::ForceCurve;
 use results::report::Progress;
 use system::run::Watch;
 

@@ -1,6 +1,5 @@
 //! A scene with some keys changed, run once.
 
-use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,13 +8,10 @@ use std::sync::atomic::Ordering;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::table::{Errors, ForceCurve, NO_ERRORS, RunRow, Status};
-use cosim::fmu_slave::CosimulationError;
-use fmi2::instance::InstanceError;
-use fmi2::isolation::IsolationError;
+use super::table::{RunRow, Status};
+use results::curve::{Errors, ForceCurve, NO_ERRORS};
 use results::{Summary, WindRecord};
 use simulation::{Finished, FmuSource, Mode, SetupError, prepare};
-use suppliers::SupplierError;
 use suppliers::settling::SettlingError;
 use system::disturbance::Disturbance;
 use system::run::Watch;
@@ -183,12 +179,10 @@ impl Run {
         });
         match run {
             Ok(finished) => attempt.take(&finished, variant.mode, watch),
-            Err(error @ (SetupError::Package(_) | SetupError::FmuFile(_) | SetupError::SceneFmu { .. })) => {
-                return Err(error);
-            }
+            Err(error) if error.concerns_all_runs() => return Err(error),
             Err(error) => {
                 attempt.interrupted = matches!(error, SetupError::Settling(SettlingError::Interrupted { .. }));
-                attempt.lost = lost_a_process(&error);
+                attempt.lost = simulation::lost_a_process(&error);
                 attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
                 attempt.row.remark(&cosim::chain(&error));
             }
@@ -202,10 +196,8 @@ impl Attempt {
         let (info, record) = (&finished.info, &finished.record);
         self.complete = finished.failure.is_none();
         self.interrupted = !self.complete && watch.interrupted.load(Ordering::Relaxed);
-        self.lost = finished
-            .failure
-            .as_deref()
-            .is_some_and(|failure| lost_a_process(failure));
+        let failure = finished.failure.as_deref();
+        self.lost = failure.is_some_and(|failure| simulation::lost_a_process(failure));
         self.curves = ForceCurve::of(&info.evaluation, record);
         self.winds = record.pantographs.iter().map(|strip| strip.wind.clone()).collect();
         self.energy_share = info.coupling.energy_share;
@@ -258,87 +250,9 @@ impl Attempt {
     }
 }
 
-/// `true` where an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not
-/// start.
-fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
-    if let Some(error) = error.downcast_ref::<IsolationError>() {
-        return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
-    }
-    // An error that shows the message of the one that it holds shows its source too, and not the one itself.
-    let held: Option<&(dyn Error + 'static)> = if let Some(InstanceError::Isolation(held)) = error.downcast_ref() {
-        Some(held)
-    } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
-        Some(held)
-    } else if let Some(SupplierError::Fmu(held)) = error.downcast_ref() {
-        Some(held)
-    } else {
-        match error.downcast_ref() {
-            Some(SetupError::Cosimulation(held)) => Some(held),
-            Some(SetupError::Wiring { source, .. }) => Some(&**source),
-            _ => error.source(),
-        }
-    };
-    held.is_some_and(lost_a_process)
-}
-
-/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part
-/// in the figures, and the filter has forgotten its end by a factor of exp(−24).
-pub const SETTLE: f64 = 10.0;
-
-/// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has
-/// settled; not longer than the scene's.
-pub(crate) fn settled(scene: &Scene) -> f64 {
-    let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
-    let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
-    scene.run.duration.min(end)
-}
-
 /// Median of some numbers, the lower one of the middle two.
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
     values.get((values.len().max(1) - 1) / 2).copied()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use cosim::algorithm::CouplingError;
-    use cosim::slave::SlaveError;
-    use system::run::Failure;
-
-    #[test]
-    fn a_run_whose_fmu_lost_its_process_is_told_from_one_that_its_fmu_refused() {
-        let gone = || IsolationError::Gone {
-            instance: "pantograph".to_owned(),
-        };
-        let refused = || IsolationError::Reported {
-            message: "no".to_owned(),
-            kind: fmi2::isolation::Reported::Refused,
-        };
-        let in_a_step = |error: IsolationError| {
-            let source = Box::new(InstanceError::Isolation(error));
-            SlaveError::Step {
-                slave: "pantograph".to_owned(),
-                t: 0.5,
-                h: 1e-3,
-                retryable: false,
-                source,
-            }
-        };
-        let wired = |error: IsolationError| SetupError::Wiring {
-            key: "pantograph[1]".to_owned(),
-            source: Box::new(SupplierError::Fmu(CosimulationError::Isolation(error))),
-        };
-        let ways: [fn(SlaveError) -> Box<dyn Error>; 3] = [
-            |error| Box::new(Failure::Step(CouplingError::Slave(error))),
-            |error| Box::new(SetupError::from(SettlingError::Step(error))),
-            |error| Box::new(SetupError::Cosimulation(CosimulationError::Slave(error))),
-        ];
-        for way in ways {
-            assert!(lost_a_process(&*way(in_a_step(gone()))));
-            assert!(!lost_a_process(&*way(in_a_step(refused()))));
-        }
-        assert!(lost_a_process(&wired(gone())) && !lost_a_process(&wired(refused())));
-    }
 }

@@ -6,88 +6,24 @@
 
 use std::ops::Range;
 use std::path::Path;
-use std::sync::LazyLock;
 
-use scene::Scene;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::run::{Attempt, Run};
-use super::table::ForceCurve;
 use results::Machine;
+use results::curve::ForceCurve;
 use results::{OutputDirectory, ResultsError, WindRecord};
 use simulation::Mode;
-
-/// Hash of some bytes, in hexadecimal.
-#[must_use]
-pub fn digest(parts: &[&[u8]]) -> String {
-    let mut hasher = Sha256::new();
-    for part in parts {
-        // The length keeps parts apart.
-        hasher.update((part.len() as u64).to_le_bytes());
-        hasher.update(part);
-    }
-    hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// Hash of files; one that cannot be read counts as empty.
-fn files<'a>(paths: impl IntoIterator<Item = &'a Path>) -> String {
-    let bytes: Vec<Vec<u8>> = paths
-        .into_iter()
-        .map(|path| std::fs::read(path).unwrap_or_default())
-        .collect();
-    digest(&bytes.iter().map(Vec::as_slice).collect::<Vec<_>>())
-}
-
-/// The program: its version and its own bytes.
-static PROGRAM: LazyLock<String> = LazyLock::new(|| {
-    let program = fmi2::program::file().unwrap_or_default();
-    digest(&[env!("CARGO_PKG_VERSION").as_bytes(), files([&*program]).as_bytes()])
-});
-
-/// The libraries that FMUs of this program are made of.
-static LIBRARIES: LazyLock<String> = LazyLock::new(|| {
-    let libraries = cosim::package::Libraries::find().ok();
-    libraries.map_or_else(String::new, |found| files(found.paths()))
-});
-
-/// Hash of the program: the same hash gives the same results bit for bit.
-#[must_use]
-pub fn program() -> &'static str {
-    &PROGRAM
-}
-
-/// The scene with a hash of their bytes in place of the files that it names: supplied FMUs and tables, relative to
-/// `base`.
-#[must_use]
-pub fn by_content(scene: &Scene, base: &Path) -> Scene {
-    let mut scene = scene.clone();
-    // A file that cannot be read stops the run that it is for, with a message.
-    let hashed = |path: &mut String| {
-        let bytes = std::fs::read(base.join(&*path)).unwrap_or_default();
-        path.clone_from(&digest(&[&bytes])[..12].to_owned());
-    };
-    scene.supplied_sides_mut().for_each(|side| hashed(&mut side.fmu));
-    scene.unread_files_mut().into_iter().for_each(|(_, path)| hashed(path));
-    scene
-}
+use simulation::identity::{by_content, digest, libraries, program};
 
 /// Key of a run; nothing where the scene refuses it, so that there is nothing to be kept.
 pub(crate) fn key(run: &Run) -> Option<String> {
     let scene = by_content(&run.scene().ok()?, &run.stage.base).to_toml();
     let mode = run.variant.mode;
-    let libraries = if mode == Mode::Cosimulation { &**LIBRARIES } else { "" };
+    let libraries = if mode == Mode::Cosimulation { libraries() } else { "" };
     let disturbance = format!("{:?}", run.disturbance);
     let (name, algorithm) = (&*run.stage.name, &*run.variant.algorithm);
-    let parts = [
-        name,
-        mode.name(),
-        algorithm,
-        &scene,
-        &disturbance,
-        libraries,
-        &**PROGRAM,
-    ];
+    let parts = [name, mode.name(), algorithm, &scene, &disturbance, libraries, program()];
     Some(digest(&parts.map(str::as_bytes))[..24].to_owned())
 }
 
@@ -257,7 +193,7 @@ impl Store {
 
 /// Key of a figure that is no run of a scene, by what it is a figure of; another program has other keys.
 pub(crate) fn value_key(of: &str) -> String {
-    digest(&[of.as_bytes(), PROGRAM.as_bytes()])[..24].to_owned()
+    digest(&[of.as_bytes(), program().as_bytes()])[..24].to_owned()
 }
 
 #[cfg(test)]

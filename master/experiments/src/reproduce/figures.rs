@@ -4,9 +4,8 @@
 use super::judge::{Line, Reproduction};
 use super::plan::Mesh;
 use super::published::CASES;
-use crate::engine::export::plot::{BOUND, dotted};
 use results::report::escape;
-use results::report::plots::{COLOURS, Trace, axis, curve, finished, layout, rounded};
+use results::report::plots::{BOUND, COLOURS, Trace, axis, curve, dotted, finished, layout, rounded};
 
 /// Subject of a figure of the thesis.
 enum Shown {

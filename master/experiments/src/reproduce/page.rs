@@ -12,8 +12,7 @@ use super::spread::Spread;
 use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
 use super::verdict::VERDICT_RULE;
 use crate::engine::export::incomplete;
-use crate::engine::export::plot::{BOUND, dotted, open_points, points};
-use results::report::plots::{COLOURS, Trace, axis, finished, layout};
+use results::report::plots::{BOUND, COLOURS, Trace, axis, dotted, finished, layout, open_points, points};
 use results::report::{Page, TextColumn, cell, escape, lined, remarks, text_table};
 
 /// The page of a reproduction.

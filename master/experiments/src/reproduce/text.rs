@@ -9,9 +9,9 @@ use super::spread::Spread;
 use super::verdict::{VERDICT_RULE, Verdict};
 use super::wind;
 use crate::engine::Table as _;
-use crate::engine::export::wrapped;
-use crate::engine::table::{Status, or_dash, short};
-use results::report::{TextColumn, aligned, decimals, text_table};
+use crate::engine::table::Status;
+use results::report::format::{decimals, or_dash, short, wrapped};
+use results::report::{TextColumn, aligned, text_table};
 
 /// Two decimals, where there is a number: the thesis prints its forces so.
 pub(super) fn force(value: Option<f64>) -> String {

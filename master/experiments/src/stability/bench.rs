@@ -2,8 +2,9 @@
 
 use super::cases::{Case, HardParameter};
 use super::figures::Judged;
-use crate::engine::table::{RunRow, Status, significant};
+use crate::engine::table::{RunRow, Status};
 use crate::engine::{Bench, Unmade};
+use results::report::format::significant;
 use simulation::Mode;
 
 /// Micro steps of the reference in one of the run.

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::engine::table::{Errors, ForceCurve, RunRow, Status};
+use crate::engine::table::{RunRow, Status};
 use crate::engine::{Attempt, Run};
 use cosim::algorithm::stability::spectral_radius;
+use results::curve::{Errors, ForceCurve};
 use simulation::Mode;
 
 /// Energy that the integration may make, % of the work and heat that were exchanged and of the energy at the start.

@@ -5,9 +5,9 @@ use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, MarkerSymbol, 
 use super::judge::{ALGORITHMS, Line, StabilityTable};
 use super::maps::{CurveKind, Map};
 use super::text::{by_case, counts, ways};
-use crate::engine::export::plot::points;
-use crate::engine::export::{count, fixed, grouped, incomplete, number, run_lines, status_rule, status_word, step};
-use results::report::plots::{axis, colour, curve, decades_of, figure};
+use crate::engine::export::{grouped, incomplete, run_lines, status_rule, status_word};
+use results::report::format::{count, fixed, number, step};
+use results::report::plots::{axis, colour, curve, decades_of, figure, points};
 use results::report::{Page, PageColumn, cell, escape, heads, lined, scrolled, spanning};
 
 /// The page of the hard cases.

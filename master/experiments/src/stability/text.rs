@@ -1,9 +1,10 @@
 //! The table on the terminal.
 
 use super::judge::{Line, StabilityTable};
-use crate::engine::export::{status_word, wrapped};
-use crate::engine::table::{Status, significant};
+use crate::engine::export::status_word;
+use crate::engine::table::Status;
 use results::report::aligned;
+use results::report::format::{significant, wrapped};
 use simulation::Mode;
 
 impl Line {

@@ -1,6 +1,5 @@
 //! From runs to the results of a study: rows judged by their references, orders, front, recommendations.
 
-use super::identity::settings;
 use super::judge::{Known, Script, State};
 use super::options::Sweep;
 use super::order::{Order, order};
@@ -10,8 +9,11 @@ use super::plan::StudyRun;
 use super::reference::{Refinement, best};
 use super::run_spec::{Exchange, Family};
 use crate::engine::export::grouped;
-use crate::engine::table::{Errors, ForceCurve, RunRow, Status, milliseconds};
+use crate::engine::table::{RunRow, Status};
+use results::curve::{Errors, ForceCurve};
+use results::report::format::milliseconds;
 use simulation::Mode;
+use simulation::identity::settings;
 
 /// The study as far as it is known.
 pub(super) fn assemble(script: &Script, state: &State) -> Study {

@@ -7,18 +7,18 @@ use std::sync::Arc;
 use scene::Scene;
 
 use super::assemble::assemble;
-use super::identity::identity;
 use super::options::{Options, Sweep};
 use super::outcome::Study;
 use super::plan::{StudyRun, plan};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
 use super::run_spec::{Family, Subject};
-use crate::engine::table::ForceCurve;
-use crate::engine::{Attempt, Bench, Experiment, Planned, Run, Stage, Store, Times, Unmade, settled};
+use crate::engine::{Attempt, Bench, Experiment, Planned, Run, Stage, Store, Times, Unmade};
 use results::Machine;
 use results::ResultsError;
+use results::curve::ForceCurve;
+use simulation::identity::identity;
 use simulation::sliding_joint;
-use simulation::{SetupError, prepare};
+use simulation::{SetupError, prepare, settled};
 
 /// Folder of the runs inside a study's output directory.
 pub const FOLDER: &str = "study";

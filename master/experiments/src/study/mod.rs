@@ -5,20 +5,17 @@
 //! | `run_spec` | parts of a run that sweeps change, and the values that a scene allows |
 //! | `options` | options of the user, names of the sweeps |
 //! | `plan` | sweeps and ladder |
-//! | `identity` | hashes that tell which runs belong together |
 //! | `reference` | refined until two levels agree |
 //! | `vehicle` | variants of the vehicle below the pantograph |
 //! | `judge` | the plan as an experiment: errors in parallel, times one at a time |
 //! | `assemble`, `outcome` | rows judged, in one table |
 //! | `order` | orders of convergence |
 //! | `pareto` | Pareto front and recommendations |
-//! | `text`, `page`, `plots`, `labels` | for reading |
+//! | `text`, `page`, `plots` | for reading |
 //! | `rank` | rank of a single run in a study |
 
 mod assemble;
-mod identity;
 mod judge;
-mod labels;
 mod options;
 mod order;
 mod outcome;
@@ -34,7 +31,6 @@ mod tests;
 mod text;
 mod vehicle;
 
-pub use identity::identity;
 pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
 pub use options::{Options, Sweep};
 pub use order::Order;

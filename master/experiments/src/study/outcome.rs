@@ -9,10 +9,11 @@ use super::reference::Discretisation;
 use super::run_spec::Family;
 use super::text::known_to;
 use super::vehicle::VehicleVariantName;
-use crate::engine::table::{AUTO, Cell as _, Columns, RunRow, milliseconds};
+use crate::engine::table::{AUTO, Cell as _, Columns, RunRow};
 use crate::engine::{Sheet, Table};
 use results::Machine;
 use results::report::Page;
+use results::report::format::milliseconds;
 
 /// A study, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]

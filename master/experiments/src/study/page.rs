@@ -7,12 +7,11 @@ use super::pareto::{Recommendation, TARGETS, speed};
 use super::run_spec::Class;
 use super::text::known;
 use super::{CSV, plots};
-use crate::engine::export::{
-    count, fixed, grouped, number, reasons, run_lines, scene_lead, status_rule, status_span, step,
-};
-use crate::engine::run::SETTLE;
-use crate::engine::table::{RunRow, milliseconds};
+use crate::engine::export::{grouped, reasons, run_lines, scene_lead, status_rule, status_span};
+use crate::engine::table::RunRow;
+use results::report::format::{count, fixed, milliseconds, number, step};
 use results::report::{Page, PageColumn, cell, cells, escape, head_cells, heads, lined, remarks, scrolled};
+use simulation::SETTLE;
 
 /// The page of a study.
 pub(super) fn page(study: &Study) -> Page {

@@ -2,18 +2,18 @@
 
 use plotly::common::{DashType, Font, Line, Marker, Mode as Draw, Position};
 
-use super::labels::Labels;
 use super::options::Sweep;
 use super::outcome::{Entry, Study};
 use super::pareto::point;
 use super::run_spec::{Class, Family};
 use super::text::shortened;
-use crate::engine::export::plot::{
-    BOUND, ERROR, dotted, is_shown, marked, marked_axis, open_points, points, run_curve,
+use crate::engine::export::grouped;
+use crate::engine::export::plot::{ERROR, is_shown, run_curve};
+use crate::engine::table::{AUTO, RunRow};
+use results::report::format::{milliseconds, number};
+use results::report::plots::{
+    BOUND, Labels, Trace, colour, curve, decades_of, dotted, figure, finished, marked, marked_axis, open_points, points,
 };
-use crate::engine::export::{grouped, number};
-use crate::engine::table::{AUTO, RunRow, milliseconds};
-use results::report::plots::{Trace, colour, curve, decades_of, figure, finished};
 
 fn hover(study: &Study, row: &RunRow) -> String {
     format!(

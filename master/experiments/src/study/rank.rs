@@ -6,7 +6,6 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::identity::{identity, settings};
 use super::options::Sweep;
 use super::outcome::{Entry, Study, label};
 use super::pareto::{point, speed};
@@ -17,6 +16,7 @@ use crate::engine::Store;
 use crate::engine::table::{RunRow, Status};
 use results::ResultsError;
 use simulation::Mode;
+use simulation::identity::{identity, settings};
 
 /// Name of the ranks in the store of a study.
 const RANKS: &str = "ranks";

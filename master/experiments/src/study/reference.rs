@@ -8,8 +8,9 @@ use serde::Serialize;
 use super::options::{Options, Sweep};
 use super::plan::{StudyRun, base};
 use super::run_spec::{Family, Mesh, RunSpec, Subject};
-use crate::engine::table::{Errors, ForceCurve, NO_ERRORS, Status};
+use crate::engine::table::Status;
 use crate::engine::{Attempt, Unmade};
+use results::curve::{Errors, ForceCurve, NO_ERRORS};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;

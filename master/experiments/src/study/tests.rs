@@ -3,7 +3,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Division, Scene};
 
-use super::identity::{identity, settings};
 use super::page::page;
 use super::text::text;
 use super::*;
@@ -12,6 +11,7 @@ use crate::engine::export::{Csv, Exporter as _};
 use crate::engine::table::{RunRow, Status};
 use crate::engine::tests::executed_in;
 use simulation::Mode;
+use simulation::identity::{identity, settings};
 
 /// A line of three short spans under the standard's pantograph, slow, filtered at 10 Hz: four elements per interval and
 /// 2 ms resolve that, and a run takes some hundredths of a second.

@@ -5,8 +5,9 @@ use super::outcome::{Entry, Reference, Study};
 use super::page::vehicle_error;
 use super::pareto::speed;
 use super::run_spec::Class;
-use crate::engine::export::{grouped, scene_head, wrapped};
-use crate::engine::table::{RunRow, milliseconds, or_dash, short};
+use crate::engine::export::{grouped, scene_head};
+use crate::engine::table::RunRow;
+use results::report::format::{milliseconds, or_dash, short, wrapped};
 use results::report::{TextColumn, aligned, heading, text_cells, text_table};
 
 /// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.

@@ -11,12 +11,10 @@
 
 use std::sync::Arc;
 
-use component::Component;
-use scene::{GivenMotion, Irregularities, Scene, Spectrum, Track, Vehicle};
-use vehicle::{Displaced, Subsystem};
+use scene::{Irregularities, Scene, Spectrum, Track, Vehicle};
 
-use component::of_pantograph;
-use simulation::prepare;
+use crate::engine::table::AUTO;
+use simulation::base_motion::base_motion;
 
 /// A vehicle and a track other than the scene's, and the scene with them.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,13 +54,6 @@ const LOW_LEVEL: Spectrum = Spectrum {
     corners: [0.0206, 0.8246, 0.4380],
     fade: 20.0,
 };
-
-/// Samples of a given motion per period of the shortest irregularities, and of the filter's band: a cubic spline
-/// follows that to some 1e-4 of its amplitude.
-const SAMPLES: f64 = 11.0;
-
-/// Samples by which a given motion goes on after the run: it ends at rest, which that many before is not felt any more.
-const TAIL: f64 = 10.0;
 
 /// Name of what the scene's pantographs stand on.
 pub(super) fn own_name(scene: &Scene) -> VehicleVariantName {
@@ -106,7 +97,7 @@ pub(super) fn vehicle_variants(scene: &Scene, micro_step: f64) -> VehicleVariant
 fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, found: &mut VehicleVariants) {
     let mut add = |vehicle: &'static str, scene: &Scene| -> Result<(), String> {
         let text = unreduced(scene);
-        system::load(&text, vehicle, &["model.reduce=auto".to_owned()]).map_err(|error| error.to_string())?;
+        reduced(&text, vehicle)?;
         let name = VehicleVariantName { vehicle, track };
         let text = text.into();
         found.all.push(VehicleVariant { name, text });
@@ -132,7 +123,8 @@ fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, 
         None => _ = add(own.name(), scene),
     }
     let given = most_detailed.map(|detailed| {
-        let motion = base_motion(&detailed, micro_step)?;
+        let detailed = reduced(&unreduced(&detailed), "vehicle")?;
+        let motion = base_motion(detailed, micro_step).map_err(|error| error.to_string())?;
         let mut given = with(Vehicle::RigidMotion(motion));
         given.track = None;
         add("rigid_motion", &given)
@@ -147,22 +139,9 @@ fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, 
     }
 }
 
-/// Time between two samples of a given motion, s: micro steps as long as they resolve the irregularities at the speed
-/// of the run, and the band of the filter; one micro step where they do not.
-fn sample(scene: &Scene, micro_step: f64) -> f64 {
-    let shortest = match scene.track.as_deref().map(|track| &track.irregularities) {
-        Some(Irregularities::Spectrum(spectrum)) => spectrum.wavelengths[0],
-        // Two points make the shortest wave.
-        Some(Irregularities::Points(points)) => {
-            let distances = points.x.windows(2).map(|pair| pair[1] - pair[0]);
-            2.0 * distances.fold(f64::INFINITY, f64::min)
-        }
-        Some(Irregularities::None) | None => f64::INFINITY,
-    };
-    let period = (shortest / scene.run.speed).min(1.0 / scene.run.low_pass_hz);
-    // Rounding of a period that is a whole number of steps.
-    let steps = (period / SAMPLES / micro_step + 1e-9).floor();
-    micro_step * steps.max(1.0)
+/// The scene of a text with those reductions that change nothing.
+fn reduced(text: &str, name: &str) -> Result<Scene, String> {
+    system::load(text, name, &[format!("model.reduce={AUTO}")]).map_err(|error| error.to_string())
 }
 
 /// The scene as text, its reductions left to be chosen.
@@ -170,54 +149,6 @@ fn unreduced(scene: &Scene) -> String {
     let mut scene = scene.clone();
     scene.model.reductions = Vec::new();
     scene.to_toml()
-}
-
-/// Motion of the base on a vehicle that runs over its track under the constant contact force of the start.
-///
-/// # Errors
-/// Several pantographs, each with its own motion, or a run that does not come to its end.
-fn base_motion(scene: &Scene, micro_step: f64) -> Result<GivenMotion, String> {
-    let [_] = scene.pantographs.as_slice() else {
-        let count = scene.pantographs.len();
-        return Err(format!(
-            "each of {count} pantographs has a motion of the base of its own"
-        ));
-    };
-    let text = unreduced(scene);
-    let read = system::load(&text, "vehicle", &["model.reduce=auto".to_owned()]);
-    let scene = read.map_err(|error| error.to_string())?;
-    let vehicle = scene.vehicle.as_deref();
-    let straight = vehicle.is_none_or(|vehicle| vehicle.leaves_the_plane(scene.track.as_deref()).is_none());
-    let prepared = prepare(scene, "vehicle", std::path::Path::new(""), false).map_err(|error| error.to_string())?;
-    let mut own = of_pantograph(&prepared.scene, 0);
-    let sample = sample(&own, micro_step);
-    own.solver.micro_step = micro_step;
-    own.run.duration += TAIL * sample;
-    let mut pantograph = Subsystem::build(&own).map_err(|error| error.to_string())?;
-    let mut motion = GivenMotion::default();
-    let steps = (own.run.duration / sample).ceil() as usize;
-    for step in 0..=steps {
-        let time = step as f64 * sample;
-        let Displaced {
-            displacement: [x, y, z],
-            angles: [roll, pitch, yaw],
-        } = pantograph.base_displaced();
-        // Rounding would be a lateral motion to the line.
-        let aside = |value: f64| if straight { 0.0 } else { value };
-        motion.time.push(time);
-        motion.x.push(x);
-        motion.y.push(aside(y));
-        motion.z.push(z);
-        motion.roll.push(aside(roll));
-        motion.pitch.push(pitch);
-        motion.yaw.push(aside(yaw));
-        if step < steps {
-            pantograph
-                .do_step(time, sample)
-                .map_err(|failure| format!("the run that gives its motion ends at {time:.3} s: {}", failure.reason))?;
-        }
-    }
-    Ok(motion)
 }
 
 #[cfg(test)]

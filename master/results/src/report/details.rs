@@ -1,7 +1,7 @@
 //! Tables of the contact force in detail: by band, by stretch of track, loss by loss, and of heights and uplift.
 
+use super::format::{decimals, or_dash};
 use super::label::NamedRun;
-use super::table::number;
 use super::{PageColumn, cells, escape, heads, saved};
 use crate::detail::QUANTILES;
 use crate::statistics::{Band, ForceStatistics, Loss, LossClass, Stretch};
@@ -85,7 +85,7 @@ fn table<'a, T>(
 }
 
 fn millimetres(value: Option<f64>) -> String {
-    number(value.map(|value| 1e3 * value), 1)
+    decimals(value.map(|value| 1e3 * value), 1)
 }
 
 fn force<T>(of: Option<ForceStatistics>, figure: fn(&ForceStatistics) -> T) -> Option<T> {
@@ -101,9 +101,9 @@ pub(super) fn bands(runs: &[NamedRun<'_>]) -> String {
         ("band", "[Hz]", "s", |row| {
             format!("{} to {}", row.entry.0.from_hz, row.entry.0.to_hz)
         }),
-        ("σ", "[N]", "n", |row| number(row.entry.0.std, 2)),
+        ("σ", "[N]", "n", |row| decimals(row.entry.0.std, 2)),
         ("share of σ²", "[%]", "n", |row| {
-            number(
+            decimals(
                 row.entry
                     .0
                     .std
@@ -142,13 +142,13 @@ fn quantiles(of_heads: &[Head<'_>]) -> String {
     }
     let columns: [PageColumn<Row<Entry>>; 8] = [
         named(),
-        column("1 %", |row| number(row.entry[0], 1)),
-        column("5 %", |row| number(row.entry[1], 1)),
-        column("25 %", |row| number(row.entry[2], 1)),
-        column("50 %", |row| number(row.entry[3], 1)),
-        column("75 %", |row| number(row.entry[4], 1)),
-        column("95 %", |row| number(row.entry[5], 1)),
-        column("99 %", |row| number(row.entry[6], 1)),
+        column("1 %", |row| decimals(row.entry[0], 1)),
+        column("5 %", |row| decimals(row.entry[1], 1)),
+        column("25 %", |row| decimals(row.entry[2], 1)),
+        column("50 %", |row| decimals(row.entry[3], 1)),
+        column("75 %", |row| decimals(row.entry[4], 1)),
+        column("95 %", |row| decimals(row.entry[5], 1)),
+        column("99 %", |row| decimals(row.entry[6], 1)),
     ];
     let entries = |head: &Head<'_>| {
         let quantiles = &head.pantograph.detail.quantiles;
@@ -172,7 +172,7 @@ fn compared(what: &'static str) -> [PageColumn<Row<Compared>>; 7] {
         ("σ", "[N]", "n", |row| format!("{:.2}", row.entry.1.std)),
         ("max", "[N]", "n", |row| format!("{:.2}", row.entry.1.max)),
         ("min", "[N]", "n", |row| format!("{:.2}", row.entry.1.min)),
-        ("rms error", "[% of σ]", "n", |row| number(row.entry.2, 2)),
+        ("rms error", "[% of σ]", "n", |row| decimals(row.entry.2, 2)),
     ]
 }
 
@@ -285,18 +285,18 @@ const STRETCH: [PageColumn<Row<Stretch>>; 9] = [
     ("from", "[m]", "n", |row| format!("{:.1}", row.entry.from_m)),
     ("to", "[m]", "n", |row| format!("{:.1}", row.entry.to_m)),
     ("mean", "[N]", "n", |row| {
-        number(force(row.entry.filtered, |force| force.mean), 1)
+        decimals(force(row.entry.filtered, |force| force.mean), 1)
     }),
     ("σ", "[N]", "n", |row| {
-        number(force(row.entry.filtered, |force| force.std), 1)
+        decimals(force(row.entry.filtered, |force| force.std), 1)
     }),
     ("max", "[N]", "n", |row| {
-        number(force(row.entry.filtered, |force| force.max), 1)
+        decimals(force(row.entry.filtered, |force| force.max), 1)
     }),
     ("min", "[N]", "n", |row| {
-        number(force(row.entry.filtered, |force| force.min), 1)
+        decimals(force(row.entry.filtered, |force| force.min), 1)
     }),
-    ("loss", "[%]", "n", |row| number(row.entry.loss_of_contact_percent, 2)),
+    ("loss", "[%]", "n", |row| decimals(row.entry.loss_of_contact_percent, 2)),
 ];
 
 /// Figures by span, tension length and pantograph.
@@ -383,9 +383,7 @@ pub(super) fn losses(runs: &[NamedRun<'_>]) -> String {
         ("begins", "[s]", "n", |row| format!("{:.3}", row.entry.start)),
         ("lasts", "[ms]", "n", |row| format!("{:.1}", 1e3 * row.entry.duration)),
         ("place", "[m]", "n", |row| format!("{:.2}", row.entry.x)),
-        ("span", "", "n", |row| {
-            row.entry.span.map_or_else(|| "–".to_owned(), |span| span.to_string())
-        }),
+        ("span", "", "n", |row| or_dash(row.entry.span)),
     ];
     let listed = |head: &Head<'_>| head.pantograph.detail.losses.iter().take(LISTED).copied().collect();
     let mut html = table(
@@ -407,9 +405,9 @@ pub(super) fn heights(runs: &[NamedRun<'_>]) -> String {
     let supports: [PageColumn<Row<SupportUplift>>; 5] = [
         named(),
         ("support", "", "n", |row| row.entry.number.to_string()),
-        ("place", "[m]", "n", |row| number(row.entry.x_m, 1)),
+        ("place", "[m]", "n", |row| decimals(row.entry.x_m, 1)),
         ("largest uplift", "[mm]", "n", |row| millimetres(row.entry.max_m)),
-        ("at", "[s]", "n", |row| number(row.entry.time_s, 3)),
+        ("at", "[s]", "n", |row| decimals(row.entry.time_s, 3)),
     ];
     let rows = runs.iter().flat_map(|run| {
         let name = if runs.len() > 1 {
@@ -431,7 +429,7 @@ pub(super) fn heights(runs: &[NamedRun<'_>]) -> String {
         ("highest", "[m]", "n", |row| format!("{:.4}", row.entry.max_m)),
         ("lowest", "[m]", "n", |row| format!("{:.4}", row.entry.min_m)),
         ("largest gradient", "[‰]", "n", |row| {
-            number(row.entry.gradient_permille, 2)
+            decimals(row.entry.gradient_permille, 2)
         }),
     ];
     let entries = |head: &Head<'_>| head.pantograph.detail.contact_height.into_iter().collect();

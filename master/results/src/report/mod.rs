@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `html` | a self-contained page |
 //! | `rows` | tables of a page |
+//! | [`format`] | numbers and remarks in tables |
 //! | `pack` | data in the page |
 //! | `label` | names of runs on one page |
 //! | `line` | page, tables and picture of a line at rest |
@@ -17,6 +18,7 @@
 
 mod animation;
 mod details;
+pub mod format;
 mod html;
 mod label;
 mod line;
@@ -38,7 +40,7 @@ pub use line::{
 pub use progress::{Progress, Show};
 pub use rows::{PageColumn, cell, cells, heads, lined, saved, scrolled, spanning};
 pub use table::{
-    TextColumn, aligned, heading, number as decimals, table, text_cells, text_table, verdict_class, verdict_word,
+    TextColumn, aligned, heading, table, text_cells, text_table, verdict_class, verdict_word,
 };
 pub use verdict::failed_limits;
 

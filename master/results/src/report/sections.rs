@@ -1,8 +1,9 @@
 //! The sections of the report that are text and tables.
 
+use super::format::decimals;
 use super::label::NamedRun;
 use super::plots::colour;
-use super::table::{bounded, cause, marks, number, quantity_name, readable, shares, verdict, verdict_class};
+use super::table::{bounded, cause, marks, quantity_name, readable, shares, verdict, verdict_class};
 use super::{PageColumn, cell, cells, escape, heads, lined, remarks_of};
 use crate::explain;
 use crate::standards::Limit;
@@ -108,22 +109,22 @@ fn tiles(s: &Summary) -> String {
         };
         let mut cards = vec![
             card(
-                &number(force.map(|f| f.mean), 1),
+                &decimals(force.map(|f| f.mean), 1),
                 "N",
                 &named("mean", "mean contact force"),
             ),
             card(
-                &number(std, 1),
+                &decimals(std, 1),
                 &deviation(s, std),
                 &named("std", "standard deviation σ"),
             ),
-            card(&number(force.map(|f| f.max), 1), "N", &named("max", "maximum")),
-            card(&number(force.map(|f| f.min), 1), "N", &named("min", "minimum")),
-            card(&number(loss, 2), "%", &named("loss", "loss of contact")),
+            card(&decimals(force.map(|f| f.max), 1), "N", &named("max", "maximum")),
+            card(&decimals(force.map(|f| f.min), 1), "N", &named("min", "minimum")),
+            card(&decimals(loss, 2), "%", &named("loss", "loss of contact")),
         ];
         if index == 0 {
-            cards.push(card(&number(uplift, 1), "mm", &named("uplift", "uplift at support")));
-            cards.push(card(&number(s.cost.real_time_factor, 3), "", "real-time factor"));
+            cards.push(card(&decimals(uplift, 1), "mm", &named("uplift", "uplift at support")));
+            cards.push(card(&decimals(s.cost.real_time_factor, 3), "", "real-time factor"));
         }
         if several {
             html.push_str(&format!("<h3>Pantograph {}</h3>\n", index + 1));
@@ -176,7 +177,7 @@ pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
                     f.map(|f| f.statistical_max),
                     f.map(|f| f.statistical_min),
                 ]
-                .map(|v| format!("<td class=\"n\">{}</td>", number(v, 2)))
+                .map(|v| format!("<td class=\"n\">{}</td>", decimals(v, 2)))
                 .concat()
             };
             let amplitude = pantograph.strip.vertical_amplitude.map(|a| 1e3 * a);
@@ -185,14 +186,14 @@ pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
                  <td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
                 s.evaluation.low_pass_hz,
                 cells(force.filtered),
-                number(amplitude, 1),
-                number(s.uplift.max_at_support.map(|u| 1e3 * u), 1),
-                number(s.cost.real_time_factor, 3),
+                decimals(amplitude, 1),
+                decimals(s.uplift.max_at_support.map(|u| 1e3 * u), 1),
+                decimals(s.cost.real_time_factor, 3),
             ));
             html.push_str(&format!(
                 "<tr><td class=\"s\">{name}raw</td>{}<td class=\"n\">{}</td><td></td><td></td><td></td></tr>\n",
                 cells(force.raw),
-                number(force.loss_of_contact_percent, 3),
+                decimals(force.loss_of_contact_percent, 3),
             ));
             for (number_on_head, strip) in (1..).zip(&pantograph.strips) {
                 html.push_str(&format!(
@@ -200,7 +201,7 @@ pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
                      <td></td><td></td><td></td></tr>\n",
                     s.evaluation.low_pass_hz,
                     cells(strip.filtered),
-                    number(strip.loss_of_contact_percent, 3),
+                    decimals(strip.loss_of_contact_percent, 3),
                 ));
             }
         }
@@ -274,7 +275,7 @@ pub(super) fn limits(runs: &[NamedRun<'_>]) -> String {
                 escape(&limit.standard),
                 escape(&limit.clause),
                 escape(&quantity_name(&shown)),
-                number(value, 2),
+                decimals(value, 2),
                 escape(&bounded(limit)),
                 escape(unit),
                 verdict(limit),
@@ -367,7 +368,7 @@ pub(super) fn cost(runs: &[NamedRun<'_>]) -> String {
         ("simulated [s]", "", "n", |run| {
             format!("{:.3}", run.summary.cost.simulated_s)
         }),
-        ("RTF", "", "n", |run| number(run.summary.cost.real_time_factor, 3)),
+        ("RTF", "", "n", |run| decimals(run.summary.cost.real_time_factor, 3)),
         ("macro steps", "", "n", |run| run.summary.cost.macro_steps.to_string()),
         ("micro steps", "", "n", |run| run.summary.cost.micro_steps.to_string()),
         ("Newton iterations", "", "n", |run| {

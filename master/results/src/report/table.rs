@@ -1,15 +1,11 @@
 //! The table at the end of a run.
 
+use super::format::{decimals, or_dash};
 use super::verdict::{by_urgency, margin, reservations, sentence};
 use crate::standards::{Certainty, Limit};
 use crate::statistics::ForceStatistics;
 use crate::{Accuracy, Cost, ErrorShare, Part, Summary};
 use component::Share;
-
-/// Text for a number that may be unknown, with `digits` after the point.
-pub fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
-}
 
 /// Shares of the time loop, the largest first.
 pub(super) fn shares(cost: &Cost) -> String {
@@ -87,7 +83,7 @@ pub const fn verdict_class(pass: Option<bool>) -> &'static str {
 /// Number that a `limit` sets, with the sign of the comparison.
 pub(super) fn bounded(limit: &Limit) -> String {
     let (_, bound, _) = readable(limit);
-    bound.map_or_else(|| "–".to_owned(), |bound| format!("{} {bound:.2}", limit.bound.sign()))
+    or_dash(bound.map(|bound| format!("{} {bound:.2}", limit.bound.sign())))
 }
 
 /// Meaning of the marks that `limits` have.
@@ -165,7 +161,7 @@ const LIMITS: &[TextColumn<Limit, 1>] = &[
     (["limit"], |limit| {
         format!("{}, {}", limit.standard, quantity_name(limit))
     }),
-    (["value"], |limit| number(readable(limit).0, 2)),
+    (["value"], |limit| decimals(readable(limit).0, 2)),
     (["limit"], bounded),
     (["unit"], |limit| readable(limit).2.to_owned()),
     (["margin"], margin),
@@ -197,7 +193,7 @@ fn figures(summary: &Summary) -> String {
         let mut line = |name: &str, s: Option<ForceStatistics>, loss: Option<f64>| {
             let mut cells = vec![format!("pantograph {}, {name}", i + 1)];
             for figure in [s.map(|s| s.mean), s.map(|s| s.std), s.map(|s| s.max), s.map(|s| s.min)] {
-                cells.push(number(figure, 2));
+                cells.push(decimals(figure, 2));
             }
             cells.push(loss.map_or_else(String::new, |l| format!("{l:.3}")));
             rows.push(cells);
@@ -251,9 +247,7 @@ fn modelled(summary: &Summary) -> String {
     text.push_str(&format!(
         "  coupling {}, energy residual {} J\n",
         coupling.algorithm,
-        coupling
-            .energy_residual
-            .map_or_else(|| "–".to_owned(), |e| format!("{e:.2e}")),
+        or_dash(coupling.energy_residual.map(|residual| format!("{residual:.2e}"))),
     ));
     text.push_str(&expected_error(&summary.accuracy));
     text
@@ -284,7 +278,7 @@ fn cost(cost: &Cost) -> String {
         "  {:.2} s simulated in {:.2} s (real-time factor {}), {:.2} s for statics and loading\n",
         cost.simulated_s,
         cost.wall_s,
-        number(cost.real_time_factor, 3),
+        decimals(cost.real_time_factor, 3),
         cost.setup_s,
     );
     text.push_str(&format!(

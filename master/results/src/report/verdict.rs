@@ -1,7 +1,8 @@
 //! The verdict that opens page and table: which limits fail, which hold, and by how much.
 
+use super::format::decimals;
 use super::label::NamedRun;
-use super::table::{number, quantity_name, readable};
+use super::table::{quantity_name, readable};
 use super::{cell, escape, head_cells, lined, table};
 use crate::Summary;
 use crate::standards::{Certainty, Limit};
@@ -127,7 +128,7 @@ pub fn failed_limits(summary: &Summary) -> Vec<String> {
             "{} {} {} {unit} ({})",
             limit.standard,
             quantity_name(&limit),
-            number(value, 2),
+            decimals(value, 2),
             table::bounded(&limit)
         )
     });
@@ -157,7 +158,7 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
             let (scale, unit) = limit.scale();
             why.push_str(&format!(
                 "<br><span class=\"soft\">numerical uncertainty ± {} {}</span>",
-                number(Some(scale * tolerance), 2),
+                decimals(Some(scale * tolerance), 2),
                 escape(unit)
             ));
         }
@@ -172,7 +173,7 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
                 "",
                 &format!("{name} <span class=\"soft\">{standard} {mark}</span>{why}"),
             )
-            + &cell("n", &format!("{} {}", number(value, 2), escape(unit)))
+            + &cell("n", &format!("{} {}", decimals(value, 2), escape(unit)))
             + &cell("n", &escape(&table::bounded(limit)))
             + &cell(&format!("n {class}"), &margin(limit))
     })

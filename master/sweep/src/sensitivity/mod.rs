@@ -170,7 +170,7 @@ fn typed(text: &str) -> Result<Range, SweepError> {
 /// # Errors
 /// A scene that is refused.
 pub fn identity(base: &Base) -> Result<String, SweepError> {
-    Ok(experiments::identity(&base.scene(&[])?, &base.folder))
+    Ok(simulation::identity::identity(&base.scene(&[])?, &base.folder))
 }
 
 /// Wishes for the cases: the scene as it is, then each end of each range.

@@ -1,5 +1,6 @@
 //! `sensitivity.html`: effects of each parameter as bars, and the table.
 
+use results::report::format::or_dash;
 use results::report::{Library, Page, PageColumn, cells, escape, figure_html, heads, plots, saved};
 use serde_json::json;
 
@@ -14,11 +15,11 @@ const BAR: u32 = 26;
 const AROUND: u32 = 96;
 
 fn change(change: Option<f64>) -> String {
-    change.map_or_else(|| "–".to_owned(), |change| format!("{change:+.3}").replace('-', "−"))
+    or_dash(change.map(|change| format!("{change:+.3}").replace('-', "−")))
 }
 
 fn slope(slope: Option<f64>) -> String {
-    slope.map_or_else(|| "–".to_owned(), |slope| format!("{slope:.3e}").replace('-', "−"))
+    or_dash(slope.map(|slope| format!("{slope:.3e}").replace('-', "−")))
 }
 
 /// Columns of the table.

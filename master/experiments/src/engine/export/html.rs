@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{Exporter, Table};
-use crate::engine::table::{Cell as _, RunRow, STATUS_RULE, Status, milliseconds, significant};
+use crate::engine::table::{RunRow, STATUS_RULE, Status};
 use results::ResultsError;
 use results::report::{PageColumn, cell, cells, escape, head_cells, lined};
 
@@ -96,24 +96,4 @@ pub(crate) fn incomplete(table: &impl Table, more: &str) -> String {
     }
     let (made, all) = table.made();
     format!("<p class=\"warning\">Incomplete: {made} of {all} runs were made.{more}</p>\n")
-}
-
-/// Three significant digits, or nothing.
-pub(crate) fn number(value: Option<f64>) -> String {
-    significant(value).unwrap_or_default()
-}
-
-/// So many decimals, or nothing.
-pub(crate) fn fixed(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(String::new, |value| format!("{value:.digits$}"))
-}
-
-/// A count, or nothing.
-pub(crate) fn count(value: Option<u64>) -> String {
-    value.cell()
-}
-
-/// A step in ms, or nothing.
-pub(crate) fn step(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |step| milliseconds(Some(step)))
 }

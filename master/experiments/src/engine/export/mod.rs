@@ -26,12 +26,10 @@ use results::{OutputDirectory, ResultsError};
 
 pub use self::csv::{Csv, write};
 pub use html::Html;
-pub(crate) use html::{
-    count, fixed, incomplete, number, reasons, run_lines, scene_lead, status_rule, status_span, status_word, step,
-};
+pub(crate) use html::{incomplete, reasons, run_lines, scene_lead, status_rule, status_span, status_word};
 pub use json::Json;
 pub use text::Text;
-pub(crate) use text::{scene_head, wrapped};
+pub(crate) use text::scene_head;
 
 /// Values under equal keys, in the order in which the keys come first.
 pub(crate) fn grouped<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {

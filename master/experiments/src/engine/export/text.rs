@@ -30,20 +30,3 @@ pub(crate) fn scene_head(scene: &str, title: &str, table: &impl Table) -> String
     }
     text
 }
-
-/// A remark in lines of at most 116 characters, indented.
-pub(crate) fn wrapped(remark: &str) -> String {
-    let (mut text, mut line) = (String::new(), String::from(" "));
-    for word in remark.split_whitespace() {
-        if line.chars().count() + 1 + word.chars().count() > 116 {
-            text.push_str(&line);
-            text.push('\n');
-            line = String::from("   ");
-        }
-        line.push(' ');
-        line.push_str(word);
-    }
-    text.push_str(&line);
-    text.push('\n');
-    text
-}

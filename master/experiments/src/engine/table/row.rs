@@ -1,9 +1,12 @@
 //! The columns.
 
+use std::borrow::Borrow;
+
 use scene::{Catenary, Division, Scene};
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Status, joined};
+use super::Status;
+use results::curve::Errors;
 use results::{RunInfo, Summary};
 use simulation::Mode;
 
@@ -36,6 +39,14 @@ impl Cell for Option<Status> {
     fn cell(&self) -> String {
         self.map_or_else(String::new, |status| status.name().to_owned())
     }
+}
+
+/// Names joined by `+`, or the word for none.
+pub(crate) fn joined<S: Borrow<str>>(names: &[S], none: &str) -> String {
+    if names.is_empty() {
+        return none.to_owned();
+    }
+    names.join("+")
 }
 
 macro_rules! columns {

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::curve::Errors;
 use super::row::RunRow;
+use results::curve::Errors;
 
 /// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard
 /// deviation.

@@ -2,9 +2,10 @@ use std::collections::BTreeMap;
 
 use super::super::open::OPEN;
 use super::{line, page, plan, reproduction, text};
-use crate::engine::table::{Column, ForceCurve, RunRow, Status};
+use crate::engine::table::{Column, RunRow, Status};
 use crate::engine::{Exporter as _, Sheet, Table as _, export};
 use crate::reproduce::{Mesh, Reproduction, RunGroup};
+use results::curve::ForceCurve;
 use simulation::Mode;
 
 /// The table as a program reads it: each row by the names of its columns.

@@ -1,4 +1,9 @@
 //! Variants of the vehicle in a study, and the motion of a base that is handed over.
+use component::{Component as _, of_pantograph};
+use scene::GivenMotion;
+use simulation::prepare;
+use vehicle::{Displaced, Subsystem};
+
 use super::*;
 
 /// The scene of the thesis on a short line.
@@ -173,44 +178,6 @@ fn in_a_curve_a_given_motion_sways_and_rolls_with_the_vehicle() {
     assert!(distance < 2e-6 && angle < 2e-6, "{distance} m, {angle} rad");
     // Left curve: it leans to the right.
     assert!(motion_of(&given).roll.iter().any(|roll| *roll > 5e-3));
-}
-
-#[test]
-fn samples_follow_the_irregularities_at_any_speed() {
-    let step = 1e-4;
-    let of = |speed: &str, irregularities: &str| {
-        let scene = thesis(&[
-            "run.duration=0.5",
-            "run.evaluate={ time = [0.1, 0.5] }",
-            speed,
-            irregularities,
-        ]);
-        let found = sample(&scene, step);
-        let steps = found / step;
-        assert!((steps - steps.round()).abs() < 1e-9, "{steps}");
-        (found, scene.run.speed)
-    };
-    let spectrum = "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], \
-        vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
-    let points = "track.irregularities={ model = \"points\", x = [90.0, 110.0, 110.25], z_left = [0.0, 1e-3, 0.0] }";
-    for speed in ["run.speed_kmh=40.0", "run.speed_kmh=200.0", "run.speed_kmh=300.0"] {
-        for (irregularities, shortest) in [(spectrum, 3.0), (points, 0.5)] {
-            let (found, speed) = of(speed, irregularities);
-            let period = (shortest / speed).min(1.0 / 20.0);
-            // As many as are wanted, and not more than a micro step makes of that.
-            assert!(
-                period / found >= SAMPLES && period / (found + step) < SAMPLES,
-                "{found} s, {speed} m/s"
-            );
-        }
-    }
-    // Smooth: the band of the filter.
-    assert_eq!(
-        (of("run.speed_kmh=200.0", "track.irregularities=none").0 / step).round(),
-        45.0
-    );
-    let coarse = thesis(&[points]);
-    assert_eq!(sample(&coarse, 2e-3), 2e-3);
 }
 
 #[test]

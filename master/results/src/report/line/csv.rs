@@ -1,6 +1,7 @@
 //! Droppers and supports of a line at rest as CSV.
 
 use super::LinePage;
+use crate::report::format::fixed;
 
 impl LinePage {
     /// Droppers for the workshop.
@@ -28,8 +29,6 @@ impl LinePage {
     /// Supports, as a table.
     #[must_use]
     pub fn supports_csv(&self) -> String {
-        let optional =
-            |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
         let mut text = "tension_length,support,x_m,contact_wire_height_m,encumbrance_m,stagger_m,\
                         messenger_reaction_N,arm_force_N,gradient,gradient_change,arm_lateral_N,radius_m\n"
             .to_owned();
@@ -40,14 +39,14 @@ impl LinePage {
                 support.number,
                 support.x,
                 support.height,
-                optional(support.encumbrance, 5),
+                fixed(support.encumbrance, 5),
                 support.stagger,
                 support.messenger_reaction,
                 support.arm_force,
-                optional(support.gradient, 5),
-                optional(support.change, 5),
-                optional(support.arm_lateral, 1),
-                optional(support.radius, 1)
+                fixed(support.gradient, 5),
+                fixed(support.change, 5),
+                fixed(support.arm_lateral, 1),
+                fixed(support.radius, 1)
             ));
         }
         text

@@ -2,6 +2,7 @@
 
 use super::LinePage;
 use super::panel::said;
+use crate::report::format::or_dash;
 use crate::report::{escape, head_cells, verdict};
 use crate::standards::gradient_limit;
 
@@ -29,7 +30,7 @@ fn row(columns: &[(&str, &str, bool)], cells: impl IntoIterator<Item = String>) 
 
 /// Number with so many digits, or a dash.
 fn optional(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "–".to_owned(), |value| said(value, digits))
+    or_dash(value.map(|value| said(value, digits)))
 }
 
 /// Limits, the verdict first.

@@ -1,6 +1,8 @@
 //! The plots of the report.
 
 mod distribution;
+mod labels;
+mod points;
 mod series;
 
 pub use distribution::density;
@@ -16,6 +18,9 @@ use serde_json::Value;
 use super::{Library, escape, figure_html};
 use crate::report::label::NamedRun;
 use crate::{Evaluation, RunBundle, StripRecord};
+
+pub use labels::Labels;
+pub use points::{BOUND, dotted, marked, marked_axis, open_points, points};
 
 /// Colours of the curves, told apart with colour-blind eyes too; repeated when used up.
 pub const COLOURS: [&str; 7] = [

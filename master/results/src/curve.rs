@@ -1,9 +1,9 @@
-//! The contact force of a run against position.
+//! The contact force of a run against position, and differences of runs.
 
 use std::ops::Range;
 
-use results::statistics::ForceStatistics;
-use results::{Evaluation, Record};
+use crate::statistics::ForceStatistics;
+use crate::{Evaluation, Record};
 
 /// The contact force of one strip against position, whole run.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,26 +19,27 @@ pub struct ForceCurve {
 }
 
 impl ForceCurve {
+    /// Curve of a pantograph (from 0); nothing where its force cannot be filtered.
+    pub(crate) fn of_pantograph(evaluation: &Evaluation, record: &Record, index: usize) -> Option<Self> {
+        let strip = record.pantographs.get(index)?;
+        Some(Self {
+            x: strip.contact_x.clone(),
+            raw: strip.force.clone(),
+            filtered: evaluation.filtered(&strip.force).ok()?,
+            range: evaluation.samples(&record.time, index),
+        })
+    }
+
     /// One curve per pantograph; none where a force cannot be filtered or the evaluation range holds no sample.
     #[must_use]
     pub fn of(evaluation: &Evaluation, record: &Record) -> Vec<Self> {
-        let curve = |(index, strip): (usize, &results::StripRecord)| {
-            let range = evaluation.samples(&record.time, index);
-            let filtered = evaluation.filtered(&strip.force).ok()?;
-            (!range.is_empty() && filtered.iter().all(|force| force.is_finite())).then(|| Self {
-                x: strip.contact_x.clone(),
-                raw: strip.force.clone(),
-                filtered,
-                range,
-            })
+        let curve = |index: usize| {
+            let curve = Self::of_pantograph(evaluation, record, index)?;
+            let finite = curve.filtered.iter().all(|force| force.is_finite());
+            (finite && !curve.range.is_empty()).then_some(curve)
         };
-        record
-            .pantographs
-            .iter()
-            .enumerate()
-            .map(curve)
-            .collect::<Option<_>>()
-            .unwrap_or_default()
+        let curves = (0..record.pantographs.len()).map(curve).collect::<Option<_>>();
+        curves.unwrap_or_default()
     }
 
     /// Standard deviation of the filtered force over the evaluation range, N.

@@ -7,7 +7,7 @@ const AXES: [f64; 2] = [760.0, 440.0];
 const LETTER: [f64; 2] = [6.0, 14.0];
 
 /// Names that have been set in a diagram with two logarithmic axes, each above and to the right of its point.
-pub(super) struct Labels {
+pub struct Labels {
     /// Points of the screen per natural logarithm.
     scale: [f64; 2],
     /// Left, lower, right and upper end of each.
@@ -16,7 +16,7 @@ pub(super) struct Labels {
 
 impl Labels {
     /// For points between `low` and `high`.
-    pub(super) fn new(low: (f64, f64), high: (f64, f64)) -> Self {
+    pub fn new(low: (f64, f64), high: (f64, f64)) -> Self {
         let scale = |axes: f64, low: f64, high: f64| axes / (high / low).ln().max(1e-3);
         Self {
             scale: [scale(AXES[0], low.0, high.0), scale(AXES[1], low.1, high.1)],
@@ -25,7 +25,7 @@ impl Labels {
     }
 
     /// The name where it is free of those before it, else nothing.
-    pub(super) fn set(&mut self, (x, y): (f64, f64), name: String) -> String {
+    pub fn set(&mut self, (x, y): (f64, f64), name: String) -> String {
         let (left, lower) = (self.scale[0] * x.ln(), self.scale[1] * y.ln());
         let right = left + LETTER[0] * name.chars().count() as f64;
         let own = [left, lower, right, lower + LETTER[1]];
