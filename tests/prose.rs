@@ -67,7 +67,7 @@ fn no_crate_outgrows_its_room() {
     );
     let experiments = product_lines("master/experiments/src/");
     assert!(
-        experiments <= 9_970,
+        experiments <= 9_000,
         "{experiments} lines of experiments: a new one is a plan and a judge"
     );
 }

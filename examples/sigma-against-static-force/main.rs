@@ -135,7 +135,7 @@ impl SigmaTable {
 
 impl Table for SigmaTable {
     fn sheet(&self) -> Sheet {
-        let force = Columns::of(&self.lines).value("static_force_N", |line| Some(line.static_force));
+        let force = Columns::of(&self.lines).column("static_force_N", |line| Some(line.static_force));
         Sheet {
             leading: force.finish(),
             rows: self.lines.iter().map(|line| line.row.clone()).collect(),

@@ -20,7 +20,7 @@ mod resolve;
 
 pub use accuracy::cost_of_whole_line;
 pub use corrections::{CorrectedSteps, contradictions, corrected_steps, corrections_left_out, impossible_corrections};
-pub use division::evenly_divided;
+pub use division::{evenly_divided, resolving_elements};
 pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
 pub use error_shares::{ErrorShare, error_shares, sum};
 pub use resolve::resolve;

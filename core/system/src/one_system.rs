@@ -8,6 +8,7 @@ use catenary::{
 };
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
+use serde::{Deserialize, Serialize};
 use vehicle::{PantographModel, VehicleError, WIND_INPUTS};
 
 use component::exchange::{contact, line_output_count, strip};
@@ -61,7 +62,7 @@ struct Audit {
 }
 
 /// Observations of one system.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Energy that nothing accounts for at the end, J; positive where the integration has made it.
     pub residual: f64,

@@ -8,14 +8,13 @@ use clap_complete::Shell;
 
 use crate::command::{self, CommandError, latency, run, sensitivity, study, sweep, validate};
 use experiments::compare;
-use experiments::engine::table::macro_step;
 use fmi2::isolation;
 
 mod help;
 pub(crate) mod values;
 
 use help::{EXIT_STATUS, RUN_STATUS, compare_help, reproduce_help, stability_help, study_help, sweep_help};
-use values::or;
+use values::{or, step};
 
 /// Scene that runs without arguments.
 pub(crate) const DEFAULT_SCENE: &str = "scenes/thesis.toml";
@@ -75,7 +74,7 @@ enum Command {
         /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
         /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
         #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true)]
-        #[arg(value_parser = macro_step)]
+        #[arg(value_parser = step)]
         macro_steps: Vec<f64>,
         /// Times that every run is made; its wall time is the median
         #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
@@ -290,6 +289,18 @@ mod tests {
         }
         assert!(study("--elements", "2,500").contains("'500'") && study("--elements", "500").contains("from 1 to 200"));
         assert!(study("--spans", "0").contains("from 1 to 5000"));
+    }
+
+    #[test]
+    fn macro_steps_are_read_in_milliseconds_or_with_a_unit() {
+        let short = ["0.1", "0.1ms", "100us", "100 µs", "1e-4s"].map(|text| (text, 1e-4));
+        for (text, step) in short.into_iter().chain([("10", 1e-2)]) {
+            assert_eq!(values::step(text), Ok(step), "{text}");
+        }
+        for text in ["0", "-1", "fast", "", "ms", "nan", "inf", "1 km"] {
+            let refused = values::step(text).unwrap_err();
+            assert!(refused.contains("positive number in ms"), "{text}: {refused}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod check_page;
 mod error;
 pub mod identity;
 pub mod latency;
+pub mod memory;
 mod mesh;
 mod modelled;
 pub mod paths;

@@ -40,8 +40,11 @@ pub(crate) fn reductions(text: &str) -> Result<String, String> {
 
 /// A sweep of a study by its name.
 pub(crate) fn sweep(text: &str) -> Result<Sweep, String> {
-    let found = Sweep::CHOICE.into_iter().find(|sweep| sweep.name() == text.trim());
-    found.ok_or_else(|| format!("must be one of {}", Sweep::CHOICE.map(Sweep::name).join(", ")))
+    let found = Sweep::CHOICE.iter().find(|sweep| sweep.name() == text.trim());
+    let names = || Sweep::CHOICE.iter().map(|sweep| sweep.name()).collect::<Vec<_>>();
+    found
+        .copied()
+        .ok_or_else(|| format!("must be one of {}", names().join(", ")))
 }
 
 /// A number above zero.
@@ -63,4 +66,23 @@ pub(crate) fn spectral_radius(text: &str) -> Result<f64, String> {
 /// The values typed, or the default without any.
 pub(crate) fn or<T: Clone>(typed: &[T], default: &[T]) -> Vec<T> {
     if typed.is_empty() { default } else { typed }.to_vec()
+}
+
+/// Reads a step as typed: a number in ms, or with a unit (`s`, `ms`, `us`, `µs`); s.
+pub(crate) fn step(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let mut units = [("ms", "e-3"), ("us", "e-6"), ("µs", "e-6"), ("s", "")].into_iter();
+    let found = units.find_map(|(unit, power)| Some((text.strip_suffix(unit)?.trim(), power)));
+    let (number, power) = found.unwrap_or((text, "e-3"));
+    // Read as one decimal number: 0.1 ms is the same as 1e-4 s, to the last bit.
+    let step = match number.parse::<f64>() {
+        Ok(plain) if number.contains(['e', 'E']) => plain * format!("1{power}").parse::<f64>().unwrap_or(f64::NAN),
+        Ok(_) => format!("{number}{power}").parse::<f64>().unwrap_or(f64::NAN),
+        Err(_) => f64::NAN,
+    };
+    if step > 0.0 && step.is_finite() {
+        Ok(step)
+    } else {
+        Err("must be a positive number in ms, or with a unit: 0.5, 0.5ms, 500us, 5e-4s".to_owned())
+    }
 }

@@ -22,16 +22,16 @@ pub fn thesis(quick: bool, common: &Common) -> Result<(), CommandError> {
     let path = |scene: &str| Path::new("scenes").join(format!("{scene}.toml"));
     let mut texts = BTreeMap::new();
     let mut scenes = PathBuf::new();
-    for case in &CASES {
-        let path = path(case.scene);
+    for case in CASES.iter() {
+        let path = path(&case.scene);
         let file = found(&path);
-        texts.insert(case.scene, scene_text(&file, &path)?);
+        texts.insert(&*case.scene, scene_text(&file, &path)?);
         scenes = file.parent().unwrap_or(Path::new("")).to_owned();
     }
     // The same message for all runs, before the first.
-    for case in &CASES {
-        let origin = path(case.scene).display().to_string();
-        system::load(&texts[case.scene], &origin, &common.overrides).map_err(simulation::SetupError::from)?;
+    for case in CASES.iter() {
+        let origin = path(&case.scene).display().to_string();
+        system::load(&texts[&*case.scene], &origin, &common.overrides).map_err(simulation::SetupError::from)?;
     }
     let directory = common.out.clone().unwrap_or_else(|| "results/reproduce".into());
     let outputs = Outputs::open(&directory, "reproduce", FILES, common)?;

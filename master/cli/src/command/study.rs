@@ -7,8 +7,7 @@ use clap::Args;
 use super::experiment::{Files, Outputs};
 use super::{CommandError, SceneFile, say};
 use crate::cli::Common;
-use crate::cli::values::{above_zero, elements, or, reductions, spans, spectral_radius, sweep};
-use experiments::engine::table::macro_step;
+use crate::cli::values::{above_zero, elements, or, reductions, spans, spectral_radius, step, sweep};
 use experiments::study::{self, CSV, FOLDER, Options, PAGE, Sweep};
 
 /// Table and page of the study.
@@ -23,10 +22,10 @@ pub struct StudyArguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = elements)]
     pub(crate) elements: Vec<usize>,
     /// Micro steps, in ms or with a unit, separated by commas [default: 0.25,0.5,1,2]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = step)]
     pub(crate) micro_steps: Vec<f64>,
     /// Macro steps, in ms or with a unit, separated by commas [default: 1,2,5]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = step)]
     pub(crate) macro_steps: Vec<f64>,
     /// Spectral radii of generalised-α at infinite frequency, separated by commas [default: 0.5,0.8,0.9,1]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spectral_radius)]
@@ -71,33 +70,20 @@ impl StudyArguments {
             ("--window-spans", Sweep::Spans, !self.window_spans.is_empty()),
         ];
         check_flags(&self.sweeps, &flags)?;
+        let usual = Options::usual(self.quick);
         Ok(Options {
-            elements: or(
-                &self.elements,
-                if self.quick {
-                    &Options::QUICK_ELEMENTS
-                } else {
-                    &Options::ELEMENTS
-                },
-            ),
-            micro_steps: or(
-                &self.micro_steps,
-                if self.quick {
-                    &Options::QUICK_MICRO_STEPS
-                } else {
-                    &Options::MICRO_STEPS
-                },
-            ),
-            macro_steps: or(&self.macro_steps, &Options::MACRO_STEPS),
-            rho_inf: or(&self.rho_inf, if self.quick { &[] } else { &Options::RHO_INF }),
+            elements: or(&self.elements, &usual.elements),
+            micro_steps: or(&self.micro_steps, &usual.micro_steps),
+            macro_steps: or(&self.macro_steps, &usual.macro_steps),
+            rho_inf: or(&self.rho_inf, &usual.rho_inf),
             reductions: self.reductions.clone(),
             repeats: self.repeats.into(),
-            quick: self.quick,
             tolerance: self.reference_tolerance,
             work: self.reference_work,
             spans: self.spans.clone(),
             window_spans: self.window_spans.clone(),
             sweeps: self.sweeps.clone(),
+            ..usual
         })
     }
 }

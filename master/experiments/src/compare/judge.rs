@@ -5,7 +5,7 @@ use std::sync::Arc;
 use scene::Scene;
 use serde::Serialize;
 
-use super::plan::{ComparedRun, StepGroup, groups, plan};
+use super::plan::{ComparedRun, groups, plan};
 use crate::engine::table::{AUTO, Keys, RunRow, observed_orders};
 use crate::engine::{Bench, Experiment, Planned, Run, Sheet, Stage, Table, Timed, Unmade};
 use results::curve::{Errors, ForceCurve, pointwise_rms};
@@ -17,8 +17,6 @@ use simulation::{Mode, SetupError, prepare, settled};
 pub struct Compare {
     /// The resolved scene, as far as it is run.
     pub scene: Scene,
-    /// Groups of macro steps.
-    pub groups: Vec<StepGroup>,
     /// Runs.
     pub runs: Vec<ComparedRun>,
     /// Times that every run is timed.
@@ -58,10 +56,6 @@ impl Table for Comparison {
         }
     }
 
-    fn is_complete(&self) -> bool {
-        self.complete
-    }
-
     fn text(&self) -> String {
         super::text::text(self)
     }
@@ -97,7 +91,6 @@ impl Compare {
         });
         Ok(Self {
             scene,
-            groups,
             runs,
             repeats,
             stage,

@@ -7,13 +7,15 @@ use plotly::layout::Axis;
 use super::Comparison;
 use super::plan::algorithms;
 use crate::engine::export::plot::{ERROR, run_curve};
-use crate::engine::export::{grouped, reasons, run_lines, scene_lead, status_rule, status_span};
+use crate::engine::export::{
+    grouped, over_steps, reasons, run_lines, scene_lead, scene_page, status_rule, status_span,
+};
 use crate::engine::table::{AUTO, RunRow, Status};
 use results::report::format::{fixed, milliseconds, number, step};
 use results::report::plots::{
-    Trace, axis, colour, curve, decades_of, dotted, figure, layout, marked_axis, points, rounded,
+    Trace, axis, colour, curve, decades_of, dotted, extent, figure, layout, marked_axis, points, rounded,
 };
-use results::report::{Page, PageColumn, cell, escape, heads, lined, remarks, scrolled, spanning};
+use results::report::{Page, PageColumn, cell, escape, heads, remarks, scrolled, spanning};
 use simulation::{Mode, SETTLE};
 
 /// Colour of the monolithic runs.
@@ -24,12 +26,7 @@ const SHOWN: f64 = 5e-3;
 
 /// The page of a comparison.
 pub(super) fn page(comparison: &Comparison) -> Page {
-    let title = if comparison.title.is_empty() {
-        &comparison.scene
-    } else {
-        &comparison.title
-    };
-    let mut page = Page::new(&format!("Coupling compared: {title}"));
+    let mut page = scene_page("Coupling compared", &comparison.scene, &comparison.title);
     page.lead(&lead(comparison));
     page.section("", &best(comparison));
     page.section("Error against macro step", &error_plot(comparison));
@@ -64,25 +61,15 @@ fn best(comparison: &Comparison) -> String {
         let error = |step: &f64| {
             let mut rows = coupled(comparison);
             let row = rows.find(|row| row.algorithm == name && row.macro_step == Some(*step));
-            let error = row.map_or_else(String::new, |row| {
-                if row.is_stable() {
-                    number(row.filtered_error)
-                } else {
-                    status_span(row.status)
-                }
-            });
-            cell("n", &error)
+            row.map_or_else(String::new, |row| match row.is_stable() {
+                true => number(row.filtered_error),
+                false => status_span(row.status),
+            })
         };
-        cell("s", &swatch) + &steps.iter().map(error).collect::<String>()
+        (cell("s", &swatch), steps.iter().map(error).collect())
     };
-    let head = format!("<th>rms error of the filtered force, % of σ</th>{}", step_heads(&steps));
-    lined(&head, algorithms().into_iter().enumerate().map(line))
-}
-
-/// Headings of columns for macro steps, s.
-pub(super) fn step_heads(steps: &[f64]) -> String {
-    let head = |step: &f64| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step)));
-    steps.iter().map(head).collect()
+    let lines = algorithms().into_iter().enumerate().map(line);
+    over_steps("rms error of the filtered force, % of σ", &steps, lines)
 }
 
 /// The rows with FMUs.
@@ -151,8 +138,7 @@ fn cost_plot(comparison: &Comparison) -> String {
         return String::new();
     }
     // The cost of one system at each micro step, over the whole range of errors.
-    let errors = || filtered_errors(comparison);
-    let range = vec![errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max)];
+    let range = extent(filtered_errors(comparison)).to_vec();
     for row in comparison.rows.iter().filter(|row| row.mode == Mode::Monolithic.name()) {
         let Some(wall) = row.wall else { continue };
         let (step, cost) = (milliseconds(row.micro_step), number(row.wall));
@@ -164,7 +150,7 @@ fn cost_plot(comparison: &Comparison) -> String {
         traces,
         points(
             decades_of("wall time of the time loop [s]", walls),
-            decades_of(ERROR, errors()),
+            decades_of(ERROR, filtered_errors(comparison)),
         ),
         ("plot-cost", 420),
         "Lower left is better. Dotted: what the monolithic runs cost.",

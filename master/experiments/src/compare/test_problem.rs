@@ -4,14 +4,13 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::page::step_heads;
-use crate::engine::export::status_span;
+use crate::engine::export::{over_steps, status_span};
 use crate::engine::table::{Columns, RunRow, Status};
 use crate::engine::{Bench, Experiment, Planned, Sheet, Table, Unmade};
 use cosim::test_problem::{self, Case};
 use results::Machine;
 use results::report::format::{milliseconds, short};
-use results::report::{Page, TextColumn, aligned, cell, escape, heading, lined, text_cells};
+use results::report::{Page, TextColumn, aligned, cell, escape, heading, text_cells};
 use results::statistics::ForceStatistics;
 use simulation::Mode;
 
@@ -69,17 +68,13 @@ impl Table for TestProblemTable {
     fn sheet(&self) -> Sheet {
         let columns = || Columns::of(&self.runs);
         Sheet {
-            leading: columns().text("case", |run| run.case.clone()).finish(),
+            leading: columns().column("case", |run| run.case.clone()).finish(),
             rows: self.runs.iter().map(|run| run.row.clone()).collect(),
             trailing: columns()
-                .value("rms_error_N", |run| run.rms_error)
-                .text("passes_per_step", |run| format!("{:?}", run.passes_per_step))
+                .column("rms_error_N", |run| run.rms_error)
+                .column("passes_per_step", |run| format!("{:?}", run.passes_per_step))
                 .finish(),
         }
-    }
-
-    fn is_complete(&self) -> bool {
-        self.complete
     }
 
     fn made(&self) -> (usize, usize) {
@@ -178,16 +173,13 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
     }
 }
 
-/// Head and rows of the figures of other masters.
-fn others() -> (Vec<String>, Vec<Vec<String>>) {
-    let figure = |error: f64| match error {
+/// An error of another master, in words.
+fn other(error: f64) -> String {
+    match error {
         error if error.is_nan() => "–".to_owned(),
         error if error.is_infinite() => "lost".to_owned(),
         error => format!("{error}"),
-    };
-    let row = |(name, errors): (&str, [f64; 4])| [vec![name.to_owned()], errors.map(figure).to_vec()].concat();
-    let step = |step: f64| format!("{} ms", milliseconds(Some(step)));
-    (TEST_PROBLEM_STEPS.map(step).to_vec(), OTHERS.map(row).to_vec())
+    }
 }
 
 /// Columns of the table on the terminal behind the case.
@@ -212,9 +204,9 @@ fn text(table: &TestProblemTable) -> String {
         };
         rows.extend(runs.iter().enumerate().map(line));
     }
-    let (steps, others) = others();
-    let mut other_rows = vec![behind("other masters, rms N (lost: contact is)", steps)];
-    other_rows.extend(others);
+    let steps = TEST_PROBLEM_STEPS.map(|step| format!("{} ms", milliseconds(Some(step))));
+    let mut other_rows = vec![behind("other masters, rms N (lost: contact is)", steps.to_vec())];
+    other_rows.extend(OTHERS.map(|(name, errors)| behind(name, errors.map(other).to_vec())));
     format!(
         "coupling test problem: rms error of the raw contact force over 10 s\n{state}\n{}\n{}",
         aligned(&rows),
@@ -231,16 +223,14 @@ fn page(table: &TestProblemTable) -> Page {
         let line = |runs: &[CaseRun]| {
             let at = |step: &f64| {
                 let run = runs.iter().find(|run| run.row.macro_step == Some(*step));
-                let shown = run.map_or_else(String::new, |run| match run.row.trouble() {
+                run.map_or_else(String::new, |run| match run.row.trouble() {
                     Some(status) => status_span(Some(status)),
                     None => shown(run),
-                });
-                cell("n", &shown)
+                })
             };
-            cell("", &escape(&runs[0].case)) + &steps.iter().map(at).collect::<String>()
+            (cell("", &escape(&runs[0].case)), steps.iter().map(at).collect())
         };
-        let cases = table.runs.chunk_by(|a, b| a.case == b.case);
-        lined(&format!("<th>{heading}</th>{}", step_heads(&steps)), cases.map(line))
+        over_steps(heading, &steps, table.runs.chunk_by(|a, b| a.case == b.case).map(line))
     };
     let mut page = Page::new("Coupling test problem");
     let state = if table.complete {
@@ -256,16 +246,9 @@ fn page(table: &TestProblemTable) -> Page {
         "Error",
         &matrix("rms error of the raw force, N", |run| short(run.rms_error)),
     );
-    let head = format!(
-        "<th>rms error of the raw force, N</th>{}",
-        step_heads(&TEST_PROBLEM_STEPS)
-    );
-    let line = |cells: Vec<String>| {
-        let (name, errors) = cells.split_at(1);
-        let errors: String = errors.iter().map(|error| cell("n", error)).collect();
-        cell("", &escape(&name[0])) + &errors
-    };
-    page.section("Other masters", &lined(&head, others().1.into_iter().map(line)));
+    let others = OTHERS.map(|(name, errors)| (cell("", &escape(name)), errors.map(other).to_vec()));
+    let others = over_steps("rms error of the raw force, N", &TEST_PROBLEM_STEPS, others);
+    page.section("Other masters", &others);
     page.section(
         "Cost",
         &matrix("passes per macro step", |run| format!("{:.2}", run.passes_per_step)),

@@ -6,7 +6,7 @@ use super::page::page;
 use super::plan::{groups, plan};
 use super::text::text;
 use super::*;
-use crate::engine::table::{AUTO, Keys, RunRow, Status, macro_step};
+use crate::engine::table::{AUTO, Keys, RunRow, Status};
 use crate::engine::tests::executed_in;
 use crate::engine::{Stage, Store, Table as _};
 use results::Machine;
@@ -45,26 +45,6 @@ fn no_micro_step_is_longer_than_a_macro_step_compared_at_it() {
         for group in groups {
             assert!(group.micro_step <= scene && group.macro_steps.iter().all(|step| *step >= group.micro_step));
         }
-    }
-}
-
-#[test]
-fn macro_steps_are_read_in_milliseconds_or_with_a_unit() {
-    for (text, step) in [
-        ("0.1", 1e-4),
-        ("0.1ms", 1e-4),
-        ("100us", 1e-4),
-        ("100 µs", 1e-4),
-        ("1e-4s", 1e-4),
-        ("10", 1e-2),
-    ] {
-        assert_eq!(macro_step(text), Ok(step), "{text}");
-    }
-    for text in ["0", "-1", "fast", "", "ms", "nan", "inf", "1 km"] {
-        assert!(
-            macro_step(text).unwrap_err().contains("positive number in ms"),
-            "{text}"
-        );
     }
 }
 

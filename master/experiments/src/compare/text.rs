@@ -1,10 +1,10 @@
 //! The table on the terminal.
 
 use super::Comparison;
-use crate::engine::export::{scene_head, status_word};
+use crate::engine::export::{grouped, scene_head, status_word};
 use crate::engine::table::RunRow;
 use results::report::format::{decimals, fixed, milliseconds, or_dash, short, wrapped};
-use results::report::{TextColumn, aligned, heading, text_cells};
+use results::report::{TextColumn, aligned, grouped_table};
 
 /// Columns of the table.
 const COLUMNS: &[TextColumn<RunRow, 2>] = &[
@@ -25,13 +25,9 @@ const COLUMNS: &[TextColumn<RunRow, 2>] = &[
 /// The table of a comparison, no wider than 120 columns.
 pub(super) fn text(comparison: &Comparison) -> String {
     let mut text = scene_head(&comparison.scene, &comparison.title, comparison);
-    let mut rows = heading(COLUMNS);
-    for of_mode in comparison.rows.chunk_by(|a, b| a.mode == b.mode) {
-        rows.push(vec![format!("{}:", of_mode[0].mode)]);
-        rows.extend(of_mode.iter().map(|row| text_cells(COLUMNS, row)));
-    }
+    let modes = grouped(comparison.rows.iter().map(|row| (row.mode.clone(), row)));
     text.push('\n');
-    text.push_str(&aligned(&rows));
+    text.push_str(&aligned(&grouped_table(COLUMNS, modes)));
     text.push_str(
         "\n  Errors: rms of force against position over the evaluation range, in percent of the reference's σ \
          (filtered); the\n  \

@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::memory::{forget_touched, touched};
 use super::plan::{Experiment, ExperimentError, Planned, Timing, Unmade};
 use super::run::{Attempt, Run};
 use super::store::{Store, Times, key, value_key};
 use results::curve::ForceCurve;
 use results::report::Progress;
+use simulation::memory::{forget_touched, touched};
 use system::run::Watch;
 
 /// Surroundings of an experiment.

@@ -14,6 +14,7 @@ use results::{Summary, WindRecord};
 use simulation::{Finished, FmuSource, Mode, SetupError, prepare};
 use suppliers::settling::SettlingError;
 use system::disturbance::Disturbance;
+use system::one_system::Evidence;
 use system::run::Watch;
 
 /// Parts that several runs have in common.
@@ -53,20 +54,8 @@ pub struct Run {
     pub disturbance: Disturbance,
 }
 
-/// Figures of one system beside its results; see [`system::one_system::Evidence`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Evidence {
-    /// Energy that nothing accounts for at the end, J.
-    pub residual: f64,
-    /// Work of prescribed motion and heat, and the energy of a start out of equilibrium, J.
-    pub exchanged: f64,
-    /// Largest violation of a constraint, m, and of its rate, m/s; nothing without constraints.
-    pub drift: Option<[f64; 2]>,
-    /// Most droppers without tension at one time.
-    pub slack_droppers: u64,
-    /// Steps that did not repeat from a saved state.
-    pub unrepeated: u64,
-}
+/// Run that another one is compared with: name, row, contact forces.
+pub type Judge<'a> = (&'a str, &'a RunRow, &'a [ForceCurve]);
 
 /// One run, not judged yet; its series are kept apart from the rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -202,8 +191,7 @@ impl Attempt {
         self.winds = record.pantographs.iter().map(|strip| strip.wind.clone()).collect();
         self.energy_share = info.coupling.energy_share;
         (self.setup, self.simulated) = (info.cost.setup_s, info.cost.simulated_s);
-        self.row
-            .take(info, &Summary::without_detail(info, record), info.cost.wall_s, 1);
+        self.row.take(info, &Summary::without_detail(info, record));
         self.remarks.push(info.incomplete_reason.clone());
         if mode != Mode::Monolithic {
             // That the table names it goes without saying; what follows may not.
@@ -214,40 +202,46 @@ impl Attempt {
         let forces = record.pantographs.iter().flat_map(|strip| &strip.force);
         self.largest_force = Some(forces.fold(0.0_f64, |max, force| max.max(*force)));
         self.most_iterations = Some(finished.most_iterations).filter(|count| *count > 0);
-        self.evidence = finished.evidence.map(|evidence| Evidence {
-            residual: evidence.residual,
-            exchanged: evidence.exchanged + evidence.deflected,
-            drift: (evidence.constraints > 0).then_some(evidence.drift),
-            slack_droppers: evidence.slack_droppers as u64,
-            unrepeated: evidence.unrepeated,
-        });
+        self.evidence = finished.evidence;
     }
 
-    /// The row with status and errors; `reference` is what the run is compared with: name, row, contact forces.
+    /// The row with status and errors; `reference` is what the run is compared with.
     #[must_use]
-    pub fn judged(&self, reference: Option<(&str, &RunRow, &[ForceCurve])>) -> RunRow {
+    pub fn judged(&self, reference: Option<Judge<'_>>) -> RunRow {
+        let mut row = self.compared(reference);
+        if row.status == Some(Status::Refused) || self.interrupted {
+            return row;
+        }
+        if self.complete && reference.is_some_and(is_still) {
+            row.remark(NO_ERRORS);
+        }
+        row.judge_energy(self.energy_share);
+        self.remarks.iter().for_each(|remark| row.remark(remark));
+        row
+    }
+
+    /// The row with errors, and status by them alone.
+    pub(crate) fn compared(&self, reference: Option<Judge<'_>>) -> RunRow {
         let mut row = self.row.clone();
         if row.status == Some(Status::Refused) || self.interrupted {
             return row;
         }
-        let errors = reference
-            .filter(|_| self.complete)
-            .map(|(_, _, curves)| Errors::between(curves, &self.curves));
-        if let (Some(errors), Some((name, _, _))) = (&errors, reference) {
-            row.take_errors(errors, name);
-        }
-        let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(ForceCurve::is_still));
-        let errors = errors.filter(|_| !still);
+        let complete = reference.filter(|_| self.complete);
+        let errors = complete.map(|(name, _, curves)| {
+            let errors = Errors::between(curves, &self.curves);
+            row.take_errors(&errors, name);
+            errors
+        });
+        let errors = errors.filter(|_| !reference.is_some_and(is_still));
         let status = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
-        let with_energy = status.0.with_energy(self.energy_share);
         row.judge(status);
-        if still && self.complete {
-            row.remark(NO_ERRORS);
-        }
-        row.judge(with_energy);
-        self.remarks.iter().for_each(|remark| row.remark(remark));
         row
     }
+}
+
+/// `true` where a force of a run varies so little that no other one has an error in percent of it.
+fn is_still((_, _, curves): Judge<'_>) -> bool {
+    curves.iter().any(ForceCurve::is_still)
 }
 
 /// Median of some numbers, the lower one of the middle two.

@@ -81,7 +81,7 @@ impl Store {
 
     /// A run that was made before; one that cannot be read has not been made.
     pub(crate) fn run(&self, key: &str) -> Option<Attempt> {
-        let head: Head<Attempt> = self.read(&format!("{key}.json"))?;
+        let head: Head<Attempt> = self.value(key)?;
         let bytes = std::fs::read(self.directory.path().join(format!("{key}.force"))).ok()?;
         let (words, rest) = bytes.as_chunks::<8>();
         if !rest.is_empty() || words.len() != head.lengths.iter().sum::<usize>() {
@@ -142,7 +142,7 @@ impl Store {
 
     /// Wall times of a run on this machine; none where it was not timed here.
     pub(crate) fn times(&self, key: &str) -> Times {
-        let found: Option<Times> = self.read(&format!("{key}.times.json"));
+        let found: Option<Times> = self.value(&format!("{key}.times"));
         found
             .filter(|times| times.machine == self.machine)
             .unwrap_or_else(|| Times {
@@ -156,12 +156,12 @@ impl Store {
     /// # Errors
     /// Reports of the operating system.
     pub(crate) fn keep_times(&self, key: &str, times: &Times) -> Result<(), ResultsError> {
-        self.write(&format!("{key}.times.json"), times)
+        self.keep_value(&format!("{key}.times"), times)
     }
 
     /// A figure that is no run of a scene, by the key of [`value_key`].
     pub(crate) fn value<T: for<'a> Deserialize<'a>>(&self, key: &str) -> Option<T> {
-        self.read(&format!("{key}.json"))
+        Self::read_value(self.directory.path(), key)
     }
 
     /// A figure of a store in `folder` that is only read; nothing where there is no store.
@@ -174,15 +174,7 @@ impl Store {
     /// # Errors
     /// Reports of the operating system.
     pub(crate) fn keep_value(&self, key: &str, value: &impl Serialize) -> Result<(), ResultsError> {
-        self.write(&format!("{key}.json"), value)
-    }
-
-    fn read<T: for<'a> Deserialize<'a>>(&self, name: &str) -> Option<T> {
-        serde_json::from_slice(&std::fs::read(self.directory.path().join(name)).ok()?).ok()
-    }
-
-    fn write(&self, name: &str, value: &impl Serialize) -> Result<(), ResultsError> {
-        self.directory.replace(name, |out, path| {
+        self.directory.replace(&format!("{key}.json"), |out, path| {
             serde_json::to_writer(out, value).map_err(|source| ResultsError::Json {
                 path: path.to_owned(),
                 source,

@@ -115,28 +115,28 @@ impl Reproduction {
             .collect();
         let head = |entry: &Entry<'_>, figure: fn(&HeadWind) -> f64| entry.run?.head.as_ref().map(figure);
         let leading = Columns::of(&entries)
-            .text("group", |entry| entry.group.to_owned())
-            .text("case", |entry| entry.case.title.to_owned())
-            .text("quantity", |entry| entry.quantity.to_owned())
-            .text("value", |entry| entry.value.clone());
+            .column("group", |entry| entry.group.to_owned())
+            .column("case", |entry| entry.case.title.to_owned())
+            .column("quantity", |entry| entry.quantity.to_owned())
+            .column("value", |entry| entry.value.clone());
         let trailing = Columns::of(&entries)
-            .value("raw_std_N", |entry| entry.run?.raw_std)
-            .value("head_drag_min_N", |entry| head(entry, |head| head.drag.min))
-            .value("head_drag_mean_N", |entry| head(entry, |head| head.drag.mean))
-            .value("head_drag_max_N", |entry| head(entry, |head| head.drag.max))
-            .value("head_lift_min_N", |entry| head(entry, |head| head.lift.min))
-            .value("head_lift_mean_N", |entry| head(entry, |head| head.lift.mean))
-            .value("head_lift_max_N", |entry| head(entry, |head| head.lift.max))
-            .text("published_mean_N", |entry| entry.case.mean.printed())
-            .text("published_std_N", |entry| entry.case.std.printed())
-            .value("mean_difference_percent", |entry| entry.run?.differences()[0])
-            .value("std_difference_percent", |entry| entry.run?.differences()[1])
-            .text("source", |entry| entry.case.source.to_owned())
-            .value("published_change_percent", |entry| entry.changes[0])
-            .value("computed_change_percent", |entry| entry.changes[1])
-            .value("smallest_std_N", |entry| entry.ends[0])
-            .value("largest_std_N", |entry| entry.ends[1])
-            .text("verdict", |entry| entry.verdict.to_owned());
+            .column("raw_std_N", |entry| entry.run?.raw_std)
+            .column("head_drag_min_N", |entry| head(entry, |head| head.drag.min))
+            .column("head_drag_mean_N", |entry| head(entry, |head| head.drag.mean))
+            .column("head_drag_max_N", |entry| head(entry, |head| head.drag.max))
+            .column("head_lift_min_N", |entry| head(entry, |head| head.lift.min))
+            .column("head_lift_mean_N", |entry| head(entry, |head| head.lift.mean))
+            .column("head_lift_max_N", |entry| head(entry, |head| head.lift.max))
+            .column("published_mean_N", |entry| entry.case.mean.printed())
+            .column("published_std_N", |entry| entry.case.std.printed())
+            .column("mean_difference_percent", |entry| entry.run?.differences()[0])
+            .column("std_difference_percent", |entry| entry.run?.differences()[1])
+            .column("source", |entry| entry.case.source.to_owned())
+            .column("published_change_percent", |entry| entry.changes[0])
+            .column("computed_change_percent", |entry| entry.changes[1])
+            .column("smallest_std_N", |entry| entry.ends[0])
+            .column("largest_std_N", |entry| entry.ends[1])
+            .column("verdict", |entry| entry.verdict.to_owned());
         Sheet {
             leading: leading.finish(),
             trailing: trailing.finish(),

@@ -7,57 +7,46 @@ use super::published::CASES;
 use results::report::escape;
 use results::report::plots::{BOUND, COLOURS, Trace, axis, curve, dotted, finished, layout, rounded};
 
-/// Subject of a figure of the thesis.
-enum Shown {
-    /// Contact forces of these cases.
-    Contact(&'static [usize]),
-    /// Drag of the wind on the pan-head, with wind on the pantograph.
-    Drag,
-    /// Its lift.
-    Lift,
-}
+/// Number, heading, cases, drag (0) or lift (1) of the wind on the pan-head where that is shown in place of contact
+/// forces, time range in s.
+type ThesisFigure = (u8, &'static str, &'static [usize], Option<usize>, [f64; 2]);
 
-use Shown::{Contact, Drag, Lift};
-
-/// Figures of the thesis that show computed forces: number, heading, what of which cases, time range in s.
-const FIGURES: &[(u8, &str, Shown, [f64; 2])] = &[
-    (6, "contact force without wind", Contact(&[0]), [0.0, 10.0]),
-    (7, "the same, 7 to 10 s", Contact(&[0]), [7.0, 10.0]),
-    (8, "penalty force and sliding joint", Contact(&[0, 1]), [0.0, 10.0]),
-    (9, "the same, 7 to 10 s", Contact(&[0, 1]), [7.0, 10.0]),
-    (10, "wind on the pantograph", Contact(&[2]), [0.0, 10.0]),
-    (11, "drag on the pan-head", Drag, [0.0, 10.0]),
-    (12, "lift on the pan-head", Lift, [0.0, 10.0]),
+/// Figures of the thesis that show computed forces.
+const FIGURES: &[ThesisFigure] = &[
+    (6, "contact force without wind", &[0], None, [0.0, 10.0]),
+    (7, "the same, 7 to 10 s", &[0], None, [7.0, 10.0]),
+    (8, "penalty force and sliding joint", &[0, 1], None, [0.0, 10.0]),
+    (9, "the same, 7 to 10 s", &[0, 1], None, [7.0, 10.0]),
+    (10, "wind on the pantograph", &[2], None, [0.0, 10.0]),
+    (11, "drag on the pan-head", &[2], Some(0), [0.0, 10.0]),
+    (12, "lift on the pan-head", &[2], Some(1), [0.0, 10.0]),
     (
         13,
         "with wind on the pantograph and without",
-        Contact(&[0, 2]),
+        &[0, 2],
+        None,
         [0.0, 10.0],
     ),
-    (14, "the same, 7 to 10 s", Contact(&[0, 2]), [7.0, 10.0]),
-    (15, "wind on pantograph and wires", Contact(&[3]), [0.0, 10.0]),
+    (14, "the same, 7 to 10 s", &[0, 2], None, [7.0, 10.0]),
+    (15, "wind on pantograph and wires", &[3], None, [0.0, 10.0]),
     (
         16,
         "with wind on pantograph and wires and without",
-        Contact(&[0, 3]),
+        &[0, 3],
+        None,
         [0.0, 10.0],
     ),
-    (17, "the same, 7 to 10 s", Contact(&[0, 3]), [7.0, 10.0]),
+    (17, "the same, 7 to 10 s", &[0, 3], None, [7.0, 10.0]),
 ];
 
 /// Heading and body of each figure; a body is empty where nothing was computed.
 pub(super) fn figures(reproduction: &Reproduction) -> impl Iterator<Item = (String, String)> {
-    FIGURES.iter().map(|(number, heading, shown, times)| {
-        let (cases, part) = match shown {
-            Contact(cases) => (*cases, None),
-            Drag => (&[2][..], Some(0)),
-            Lift => (&[2][..], Some(1)),
-        };
+    FIGURES.iter().map(|(number, heading, cases, part, times)| {
         let drawn = |mesh: Mesh, which: &str| {
             let id = format!("figure-{number}-{which}");
             let plot = match part {
                 None => contact(reproduction, cases, mesh, *times, &id),
-                Some(part) => wind(reproduction, cases[0], mesh, part, &id),
+                Some(part) => wind(reproduction, cases[0], mesh, *part, &id),
             };
             plot.map_or_else(String::new, |plot| format!("<p>{}</p>\n{plot}", escape(&mesh.name())))
         };
@@ -110,7 +99,7 @@ fn contact(reproduction: &Reproduction, shown: &[usize], mesh: Mesh, [from, to]:
         let samples = samples.map(|(index, force)| (index as f64 * line.output_step, *force));
         let (time, force): (Vec<f64>, Vec<f64>) = samples.filter(|(time, _)| (from..=to).contains(time)).unzip();
         let (x, y) = (rounded(&time, 1e3), rounded(&force, 1e1));
-        traces.push(curve(x, y, CASES[index].title, colour, 1.1));
+        traces.push(curve(x, y, &CASES[index].title, colour, 1.1));
     }
     let last = shown.last().filter(|_| !traces.is_empty())?;
     let case = &CASES[*last];

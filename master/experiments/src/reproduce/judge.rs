@@ -126,10 +126,6 @@ impl Table for Reproduction {
         self.columns()
     }
 
-    fn is_complete(&self) -> bool {
-        self.complete
-    }
-
     fn made(&self) -> (usize, usize) {
         let made = self.lines.iter().filter(|line| line.row.status.is_some());
         (made.count(), self.lines.len())
@@ -179,7 +175,7 @@ impl Reproduce {
     }
 
     fn run(&self, planned: &ReproductionRun) -> Run {
-        Run::of(&self.stages[planned.case.scene], planned.variant.clone())
+        Run::of(&self.stages[&*planned.case.scene], planned.variant.clone())
     }
 }
 

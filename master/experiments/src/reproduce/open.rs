@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use serde::Deserialize;
 
 use super::plan::Mesh;
+use crate::engine::entries;
 
 /// A quantity that the thesis does not give, with values over its plausible range.
 #[derive(Debug, Deserialize)]
@@ -43,14 +44,7 @@ pub struct Value {
 }
 
 /// All of them. The scene's own value is computed by the case itself.
-pub static OPEN: LazyLock<Vec<Open>> = LazyLock::new(|| {
-    #[derive(Deserialize)]
-    struct File {
-        open: Vec<Open>,
-    }
-    let file: File = toml::from_str(include_str!("open.toml")).expect("part of the program, and tests read it");
-    file.open
-});
+pub static OPEN: LazyLock<Vec<Open>> = LazyLock::new(|| entries(include_str!("open.toml")));
 
 impl Open {
     /// Its values, one run for each.

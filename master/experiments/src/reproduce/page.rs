@@ -68,7 +68,7 @@ fn meshes(reproduction: &Reproduction) -> String {
     let mut traces: Vec<Trace> = Vec::new();
     for (case, colour) in CASES.iter().zip(COLOURS) {
         let (x, y) = lines().filter(|line| line.computes(case)).filter_map(on_plain).unzip();
-        let curve = Scatter::new(x, y).mode(Draw::LinesMarkers).name(case.title);
+        let curve = Scatter::new(x, y).mode(Draw::LinesMarkers).name(&case.title);
         let marker = Marker::new().color(colour);
         traces.push(curve.line(Stroke::new().color(colour)).marker(marker));
     }

@@ -2,40 +2,30 @@
 
 use serde::Serialize;
 
-use super::open::OPEN;
+use super::open::{OPEN, Value};
 use super::published::{CASES, Case};
 use super::wind::readings;
-use crate::engine::Variant;
+use crate::engine::{Variant, words};
 use simulation::Mode;
 
-/// Purpose of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RunGroup {
-    /// A published case, as its scene has it.
-    Published,
-    /// A published case on another mesh.
-    Mesh,
-    /// A reading of the published wind.
-    Reading,
-    /// A quantity that the publication leaves open.
-    Open,
+words! {
+    /// Purpose of a run.
+    pub enum RunGroup {
+        /// A published case, as its scene has it.
+        Published = "published",
+        /// A published case on another mesh.
+        Mesh = "mesh",
+        /// A reading of the published wind.
+        Reading = "reading",
+        /// A quantity that the publication leaves open.
+        Open = "open",
+    }
 }
 
 impl RunGroup {
     /// `true` where its runs are published cases with nothing changed but the mesh.
     pub(super) fn is_case(self) -> bool {
         matches!(self, Self::Published | Self::Mesh)
-    }
-
-    /// As the table names it.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::Mesh => "mesh",
-            Self::Reading => "reading",
-            Self::Open => "open",
-        }
     }
 }
 
@@ -101,6 +91,16 @@ pub struct ReproductionRun {
     pub variant: Variant,
 }
 
+impl ReproductionRun {
+    /// The run with a quantity that has another value.
+    fn with(mut self, quantity: &'static str, value: Value) -> Self {
+        // Behind the mesh, whose step it may change.
+        self.variant.overrides.extend(value.keys);
+        (self.quantity, self.value) = (quantity, value.name);
+        self
+    }
+}
+
 /// All runs: the published cases in both ways of running them, all of them on finer meshes, the readings of the wind,
 /// and, on the thesis' mesh and on the converged one, each open quantity over its range. `quick` leaves out the finer
 /// plain meshes but one, and the open quantities on the converged mesh. `overrides` hold for all runs, and give way to
@@ -108,7 +108,7 @@ pub struct ReproductionRun {
 pub(super) fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
     let [thesis, ..] = Mesh::ALL;
     let mut runs = Vec::new();
-    for case in &CASES {
+    for case in CASES.iter() {
         runs.push(planned(RunGroup::Published, case, thesis, Mode::Monolithic));
     }
     runs.push(planned(RunGroup::Published, &CASES[0], thesis, Mode::Cosimulation));
@@ -119,11 +119,7 @@ pub(super) fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
         }
     }
     for reading in readings() {
-        let mut run = planned(RunGroup::Reading, &CASES[2], thesis, Mode::Monolithic);
-        run.variant.overrides = reading.keys;
-        run.quantity = "wind";
-        run.value = reading.name.to_owned();
-        runs.push(run);
+        runs.push(planned(RunGroup::Reading, &CASES[2], thesis, Mode::Monolithic).with("wind", reading));
     }
     for mesh in [thesis, Mesh::Corrected] {
         if quick && mesh == Mesh::Corrected {
@@ -136,12 +132,8 @@ pub(super) fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
                 if value.keys.iter().all(|key| own.contains(key)) {
                     continue;
                 }
-                let mut run = planned(RunGroup::Open, &CASES[open.case], mesh, Mode::Monolithic);
-                // Behind the mesh, whose step it may change.
-                run.variant.overrides.extend(value.keys);
-                run.quantity = &open.quantity;
-                run.value = value.name;
-                runs.push(run);
+                let run = planned(RunGroup::Open, &CASES[open.case], mesh, Mode::Monolithic);
+                runs.push(run.with(&open.quantity, value));
             }
         }
     }
@@ -152,7 +144,7 @@ pub(super) fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
 }
 
 fn planned(group: RunGroup, case: &'static Case, mesh: Mesh, mode: Mode) -> ReproductionRun {
-    let own = group == RunGroup::Published;
+    let own = matches!(group, RunGroup::Published | RunGroup::Reading);
     ReproductionRun {
         group,
         case,

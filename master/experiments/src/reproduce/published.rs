@@ -1,9 +1,14 @@
-//! Published figures of the thesis.
+//! Published figures of the thesis: data in `published.toml`.
 
-use serde::Serialize;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::entries;
 
 /// A printed number.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "String")]
 pub struct Figure {
     /// Its value.
     pub value: f64,
@@ -11,11 +16,15 @@ pub struct Figure {
     decimals: usize,
 }
 
-impl Figure {
-    const fn new(value: f64, decimals: usize) -> Self {
+impl From<String> for Figure {
+    fn from(printed: String) -> Self {
+        let decimals = printed.split('.').nth(1).map_or(0, str::len);
+        let value = printed.parse().expect("a printed number");
         Self { value, decimals }
     }
+}
 
+impl Figure {
     /// As it is printed.
     pub(super) fn printed(&self) -> String {
         format!("{:.*}", self.decimals, self.value)
@@ -23,48 +32,20 @@ impl Figure {
 }
 
 /// One of the published cases.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Case {
     /// Name of the scene that computes it.
-    pub scene: &'static str,
+    pub scene: String,
     /// Title.
-    pub title: &'static str,
+    pub title: String,
     /// Mean contact force, N, positive in compression: the thesis prints the force on the pan-head as negative.
     pub mean: Figure,
     /// Standard deviation, N.
     pub std: Figure,
     /// Place in the thesis.
-    pub source: &'static str,
+    pub source: String,
 }
 
 /// The published cases; the first is the one that the others are changes of.
-pub const CASES: [Case; 4] = [
-    Case {
-        scene: "thesis-own-mesh",
-        title: "penalty contact, no wind",
-        mean: Figure::new(107.79, 2),
-        std: Figure::new(36.73, 2),
-        source: "Thesis, Table 6",
-    },
-    Case {
-        scene: "thesis-sliding-joint",
-        title: "sliding joint, no wind",
-        mean: Figure::new(110.427, 3),
-        std: Figure::new(37.3033, 4),
-        source: "Thesis, 5.1",
-    },
-    Case {
-        scene: "thesis-wind-pantograph",
-        title: "wind on the pantograph",
-        mean: Figure::new(120.22, 2),
-        std: Figure::new(35.70, 2),
-        source: "Thesis, Table 6",
-    },
-    Case {
-        scene: "thesis-wind-both",
-        title: "wind on pantograph and wires",
-        mean: Figure::new(120.21, 2),
-        std: Figure::new(35.66, 2),
-        source: "Thesis, Table 6",
-    },
-];
+pub static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| entries(include_str!("published.toml")));

@@ -44,19 +44,16 @@ pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
 }
 
 /// The readings of the wind that were planned, the scene's own first, each with its run.
-fn read(reproduction: &Reproduction) -> impl Iterator<Item = (&'static str, Option<&Line>)> {
-    let of = |reading: wind::Reading| {
-        let is = |line: &&Line| line.group == RunGroup::Reading && line.value == reading.name;
-        (reading.name, reproduction.lines.iter().find(is))
-    };
+fn read(reproduction: &Reproduction) -> impl Iterator<Item = (&str, Option<&Line>)> {
     let own = Line::of(&reproduction.lines, &CASES[2], Mesh::ALL[0]);
-    std::iter::once((wind::own().name, own)).chain(wind::readings().into_iter().map(of))
+    let readings = reproduction.lines.iter().filter(|line| line.group == RunGroup::Reading);
+    std::iter::once((wind::OWN, own)).chain(readings.map(|line| (line.value.as_str(), Some(line))))
 }
 
 /// Changes of mean and standard deviation by each reading of the wind, the scene's own first; the published ones in the
 /// head.
 pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let [calm, _, windy, _] = &CASES;
+    let (calm, windy) = (&CASES[0], &CASES[2]);
     let [mean, std] =
         [[windy.mean, calm.mean], [windy.std, calm.std]].map(|[windy, calm]| percent(Some(windy.value - calm.value)));
     let head = vec![
@@ -179,7 +176,7 @@ pub(super) fn missing(reproduction: &Reproduction) -> Vec<String> {
     let not = |line: &&Line| matches!(line.row.status, Some(Status::Refused | Status::Diverged));
     let said = |line: &Line| {
         let what = format!("{} {}", line.quantity, line.value);
-        let (case, mesh) = (line.case.title, line.mesh.name());
+        let (case, mesh) = (&line.case.title, line.mesh.name());
         format!("{case}, {mesh}, {}: {}", what.trim(), line.row.reason)
     };
     reproduction.lines.iter().filter(not).map(said).collect()

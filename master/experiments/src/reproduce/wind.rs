@@ -7,6 +7,8 @@ use std::f64::consts::PI;
 
 use scene::{PantographModel, Scene};
 
+use super::open::Value;
+
 /// Speed of the train, m/s [Thesis, 5.1].
 const TRAIN: f64 = 200.0 / 3.6;
 
@@ -16,21 +18,8 @@ const WIND: f64 = 20.0;
 /// Yaw angle, rad.
 const YAW: f64 = 15.0 * PI / 180.0;
 
-/// A reading.
-pub(super) struct Reading {
-    /// In words.
-    pub name: &'static str,
-    /// The keys that make it of the scene.
-    pub keys: Vec<String>,
-}
-
-/// The reading of the scenes: over the ground, from ahead.
-pub(super) fn own() -> Reading {
-    Reading {
-        name: "over the ground, from ahead (the scene)",
-        keys: Vec::new(),
-    }
-}
+/// The reading of the scenes, in words.
+pub(super) const OWN: &str = "over the ground, from ahead (the scene)";
 
 /// Drag and lift of a pan-head that moves with the train [Thesis, Eq. (18)], N: what Figs. 11 and 12 show, with `ρ`, `C
 /// A` and wind of the scene.
@@ -59,31 +48,26 @@ pub(super) fn on_even_head(scene: &Scene) -> Option<[f64; 2]> {
     Some([drag, lift].map(|coefficient| coefficient * pressure))
 }
 
-/// The other readings.
-pub(super) fn readings() -> Vec<Reading> {
+/// The other readings, in words and by the keys that make them of the scene.
+pub(super) fn readings() -> Vec<Value> {
     let (s, c) = YAW.sin_cos();
-    let ground = |name, yaw: f64| Reading {
-        name,
-        keys: vec![format!("wind.yaw_deg={}", yaw.to_degrees())],
+    let reading = |name: &str, keys: Vec<String>| {
+        let name = name.to_owned();
+        Value { name, keys }
     };
+    let ground = |name, yaw: f64| reading(name, vec![format!("wind.yaw_deg={}", yaw.to_degrees())]);
     // The train meets the air at the yaw angle: WIND sin γ = tan YAW (TRAIN + WIND cos γ).
     let met = YAW + (TRAIN * s / WIND).asin();
     // Air that moves past the train like this, along from ahead, as wind over the ground.
     let past = |name, along: f64, across: f64| {
         let record = format!("wind.record=[[0, {:?}, {:?}, 0]]", TRAIN - along, -across);
-        Reading {
-            name,
-            keys: vec!["wind.speed=0".to_owned(), record],
-        }
+        reading(name, vec!["wind.speed=0".to_owned(), record])
     };
     vec![
         ground("over the ground, from behind", PI - YAW),
         ground("over the ground, such that the train meets the air at 15 degrees", met),
         past("20 m/s in all past the train, from ahead", WIND * c, WIND * s),
         past("20 m/s in all past the train, knee leading", -WIND * c, WIND * s),
-        Reading {
-            name: "still air",
-            keys: vec!["wind.speed=0".to_owned()],
-        },
+        reading("still air", vec!["wind.speed=0".to_owned()]),
     ]
 }

@@ -83,9 +83,9 @@ impl CaseBench<'_> {
         let finer = self.make(&Way::ONE, &finer_keys, None)?;
         let finest = finer.row.micro_step.unwrap_or(f64::NAN);
         let name = format!("monolithic, micro step {finest:?} s");
-        let judge = finer.is_stable().then_some((name.as_str(), &finer));
+        let judge = finer.row.is_stable().then_some((name.as_str(), &finer));
         let mut one = self.make(&Way::ONE, &one_keys, judge)?;
-        if !finer.is_stable() && one.is_stable() {
+        if !finer.row.is_stable() && one.row.is_stable() {
             let reason = format!("at a finer micro step: {}", finer.row.reason);
             one.row.judge((Status::Limit, reason));
         }
@@ -97,7 +97,7 @@ impl CaseBench<'_> {
         }
         let name = format!("monolithic, micro step {micro:?} s");
         let mut made = self.make(way, keys, Some((name.as_str(), &one)))?;
-        if made.is_stable() && one.row.status == Some(Status::Limit) {
+        if made.row.is_stable() && one.row.status == Some(Status::Limit) {
             made.row
                 .judge((Status::Limit, format!("as one system: {}", one.row.reason)));
         }
@@ -114,7 +114,7 @@ impl CaseBench<'_> {
 
     /// `true` where a run with other keys is stable.
     fn is_stable(&self, way: &Way, keys: &[String]) -> Result<bool, Unmade> {
-        Ok(self.run(way, keys)?.is_stable())
+        Ok(self.run(way, keys)?.row.is_stable())
     }
 
     /// The value of the parameter between the harmless and the hard one, by bisection of its logarithm.

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use crate::engine::table::{RunRow, Status};
 use crate::engine::{Attempt, Run};
 use cosim::algorithm::stability::spectral_radius;
-use results::curve::{Errors, ForceCurve};
 use simulation::Mode;
 
 /// Energy that the integration may make, % of the work and heat that were exchanged and of the energy at the start.
@@ -59,20 +58,11 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// `true` where the run is stable.
-    pub(super) fn is_stable(&self) -> bool {
-        self.row.status == Some(Status::Stable)
-    }
-
-    /// Contact forces; none where the run cannot be compared.
-    fn curves(&self) -> &[ForceCurve] {
-        if self.made.complete { &self.made.curves } else { &[] }
-    }
-
     /// A run that was made, judged against the run that errors are against, with its name.
     pub(super) fn of(run: &Run, made: Arc<Attempt>, judge: Option<(&str, &Self)>) -> Self {
         let coupled = run.variant.mode != Mode::Monolithic;
-        let mut row = made.row.clone();
+        let judge = judge.filter(|(_, judge)| judge.made.complete && !judge.made.curves.is_empty());
+        let mut row = made.compared(judge.map(|(name, judge)| (name, &judge.row, &*judge.made.curves)));
         // Rows are made side by side: their times would say nothing.
         (row.wall, row.repeats, row.real_time_factor) = (None, None, None);
         let mut figures = run
@@ -82,18 +72,8 @@ impl Judged {
             return Self { row, figures, made };
         }
         let share = figures.take(&made, coupled);
-        let judge = judge.filter(|_| made.complete);
-        let errors = judge.filter(|(_, judge)| !judge.curves().is_empty());
-        let errors = errors.map(|(name, judge)| (name, Errors::between(judge.curves(), &made.curves)));
-        if let Some((name, errors)) = &errors {
-            row.take_errors(errors, name);
-        }
-        let errors = errors.as_ref().map(|(_, errors)| errors);
-        let status = status(&row, made.complete, errors, judge.map(|(_, judge)| &judge.row));
-        let with_energy = status.0.with_energy(share);
-        row.judge(status);
         if coupled {
-            row.judge(with_energy);
+            row.judge_energy(share);
         } else if row.is_stable() && 100.0 * share > MADE {
             let share = 100.0 * share;
             let reason = format!("the time integration made {share:.1} % of the energy exchanged");
@@ -121,7 +101,7 @@ impl Figures {
         let made = match (coupled, &run.evidence) {
             (true, _) => run.row.energy_residual,
             (false, Some(evidence)) => {
-                let all = evidence.exchanged;
+                let all = evidence.exchanged + evidence.deflected;
                 share = if all > 0.0 { evidence.residual / all } else { 0.0 };
                 Some(evidence.residual)
             }
@@ -130,21 +110,13 @@ impl Figures {
         self.energy_growth = made.filter(|_| run.simulated > 0.0).map(|made| made / run.simulated);
         self.energy_share = made.map(|_| 100.0 * share);
         if let Some(evidence) = &run.evidence {
-            self.slack_droppers = Some(evidence.slack_droppers);
-            if let Some(drift) = evidence.drift {
-                [self.drift, self.drift_rate] = drift.map(Some);
+            self.slack_droppers = Some(evidence.slack_droppers as u64);
+            if evidence.constraints > 0 {
+                [self.drift, self.drift_rate] = evidence.drift.map(Some);
             }
         }
         share
     }
-}
-
-/// [`Status::of`], where a force without any variation has no standard deviation that errors could be in percent of.
-fn status(row: &RunRow, complete: bool, errors: Option<&Errors>, judge: Option<&RunRow>) -> (Status, String) {
-    if complete && row.std == Some(0.0) && judge.is_none_or(|judge| judge.std == Some(0.0)) {
-        return (Status::Stable, String::new());
-    }
-    Status::of(row, complete, errors, judge)
 }
 
 /// Figures that are known beforehand: the head on the contact's spring.

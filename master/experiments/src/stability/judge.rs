@@ -50,20 +50,20 @@ impl Table for StabilityTable {
     fn sheet(&self) -> Sheet {
         let columns = || Columns::of(&self.lines);
         Sheet {
-            leading: columns().text("case", |line| line.case.clone()).finish(),
+            leading: columns().column("case", |line| line.case.clone()).finish(),
             rows: self.lines.iter().map(|line| line.row.clone()).collect(),
             trailing: columns()
-                .text("about", |line| line.about.clone())
-                .value("energy_growth_W", |line| line.figures.energy_growth)
-                .value("energy_share_percent", |line| line.figures.energy_share)
-                .value("omega_h", |line| line.figures.omega_h)
-                .value("amplification", |line| line.figures.amplification)
-                .count("most_newton_iterations", |line| line.figures.most_iterations)
-                .value("constraint_drift_m", |line| line.figures.drift)
-                .value("constraint_rate_m_per_s", |line| line.figures.drift_rate)
-                .value("largest_force_N", |line| line.figures.largest_force)
-                .count("slack_droppers", |line| line.figures.slack_droppers)
-                .text("boundary", |line| line.figures.boundary.clone())
+                .column("about", |line| line.about.clone())
+                .column("energy_growth_W", |line| line.figures.energy_growth)
+                .column("energy_share_percent", |line| line.figures.energy_share)
+                .column("omega_h", |line| line.figures.omega_h)
+                .column("amplification", |line| line.figures.amplification)
+                .column("most_newton_iterations", |line| line.figures.most_iterations)
+                .column("constraint_drift_m", |line| line.figures.drift)
+                .column("constraint_rate_m_per_s", |line| line.figures.drift_rate)
+                .column("largest_force_N", |line| line.figures.largest_force)
+                .column("slack_droppers", |line| line.figures.slack_droppers)
+                .column("boundary", |line| line.figures.boundary.clone())
                 .finish(),
         }
     }

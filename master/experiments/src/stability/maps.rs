@@ -1,13 +1,15 @@
 //! Boundaries beyond which runs are not stable, by bisection over the step, and by theory.
 
+use std::sync::LazyLock;
+
 use scene::Coupling;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::bench::{CaseBench, Way, both_steps, refined};
 use super::cases::{Case, HardParameter};
 use super::judge::ALGORITHMS;
 use crate::engine::table::{ENERGY, RAW_ERROR};
-use crate::engine::{Bench, Unmade};
+use crate::engine::{Bench, Unmade, entries};
 use cosim::algorithm::stability::spectral_radius;
 use cosim::test_problem::{self, Parameters, Switches, Truth};
 use results::statistics::ForceStatistics;
@@ -61,27 +63,30 @@ pub struct MapCurve {
 }
 
 /// Longest stable steps over one quantity.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Map {
     /// Heading.
-    pub title: &'static str,
+    pub title: String,
     /// Title of the axis, with the unit.
-    pub x: &'static str,
+    pub x: String,
     /// `true` where the axis is logarithmic.
     pub logarithmic: bool,
     /// Title of the other axis.
-    pub y: &'static str,
+    pub y: String,
     /// Caption.
-    pub caption: &'static str,
+    pub caption: String,
     /// Curves.
+    #[serde(skip_deserializing)]
     pub curves: Vec<MapCurve>,
     /// Quantity of the axis.
-    #[serde(skip)]
+    #[serde(skip_serializing)]
     axis: MapAxis,
 }
 
 /// The quantity of a map's axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 enum MapAxis {
     Stiffness,
     HeadMass,
@@ -89,48 +94,8 @@ enum MapAxis {
     MicroStep,
 }
 
-/// The maps without their curves.
-static MAPS: [Map; 4] = [
-    Map {
-        axis: MapAxis::Stiffness,
-        title: "Macro step against contact stiffness",
-        x: "contact stiffness [N/m]",
-        logarithmic: true,
-        y: "longest stable macro step [ms]",
-        caption: "Lines: the test problem (head of 7.2 kg under a wire mode of 10 kg); dotted: spectral radius of the \
-                  algorithm on the contact's oscillation against that oscillation's own damping; crosses: the short \
-                  line at a micro step of 0.5 ms.",
-        curves: Vec::new(),
-    },
-    Map {
-        axis: MapAxis::HeadMass,
-        title: "Macro step against head mass",
-        x: "mass of the collector head [kg]",
-        logarithmic: true,
-        y: "longest stable macro step [ms]",
-        caption: "As above, at a contact stiffness of 50 kN/m.",
-        curves: Vec::new(),
-    },
-    Map {
-        axis: MapAxis::SpeedRatio,
-        title: "Macro step against speed",
-        x: "speed over wave speed of the contact wire [–]",
-        logarithmic: false,
-        y: "longest stable macro step [ms]",
-        caption: "The short line, contact stiffness 50 kN/m, micro step 0.5 ms; steps up to 20 ms were tried.",
-        curves: Vec::new(),
-    },
-    Map {
-        axis: MapAxis::MicroStep,
-        title: "Micro step of one system against contact stiffness",
-        x: "contact stiffness [N/m]",
-        logarithmic: true,
-        y: "longest micro step that resolves the raw force [ms]",
-        caption: "The short line as one system against itself at half the step: the raw force is right to its filtered \
-                  standard deviation.",
-        curves: Vec::new(),
-    },
-];
+/// The maps without their curves, data in `maps.toml`.
+static MAPS: LazyLock<Vec<Map>> = LazyLock::new(|| entries(include_str!("maps.toml")));
 
 /// One curve to be found.
 #[derive(Clone, Debug)]
@@ -343,7 +308,7 @@ impl Task {
             algorithm: self.algorithm,
         };
         let units = longest((1.0, MOST_UNITS), whole, &mut |units| {
-            Ok(case.make(&way, &keys(units), Some(("", &one)))?.is_stable())
+            Ok(case.make(&way, &keys(units), Some(("", &one)))?.row.is_stable())
         })?;
         Ok(units * UNIT)
     }
@@ -355,7 +320,8 @@ impl Task {
         let mut step = 4e-3;
         while step >= 1e-4 {
             let finer = case.make(&Way::ONE, &refined(step), None)?;
-            if case.make(&Way::ONE, &both_steps(step), Some(("", &finer)))?.is_stable() {
+            let made = case.make(&Way::ONE, &both_steps(step), Some(("", &finer)))?;
+            if made.row.is_stable() {
                 return Ok(step);
             }
             step *= std::f64::consts::FRAC_1_SQRT_2;

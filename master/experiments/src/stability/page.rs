@@ -13,13 +13,13 @@ use results::report::{Page, PageColumn, cell, escape, heads, lined, scrolled, sp
 /// The page of the hard cases.
 pub(super) fn page(table: &StabilityTable) -> Page {
     let mut page = Page::new("Hard cases");
-    let (cases, runs) = (by_case(table).count(), table.lines.len());
-    let lead = format!("<p><b>{cases} cases</b> · {runs} runs: {}</p>\n", counts(table));
+    let cases = by_case(table).count();
+    let lead = format!("<p><b>{cases} cases</b> · {}</p>\n", counts(table));
     page.lead(&(lead + &incomplete(table, "")));
     page.section("Status", &overview(table));
     page.section("What is not stable, and why", &reasons(table));
     for (index, map) in table.maps.iter().enumerate() {
-        page.section(map.title, &drawn(map, index));
+        page.section(&map.title, &drawn(map, index));
     }
     page.section("Figures", &table_of_figures(table));
     page.section("How to read this", &legend());
@@ -120,13 +120,13 @@ fn drawn(map: &Map, index: usize) -> String {
     }
     let all = || map.curves.iter().flat_map(|curve| &curve.points);
     let x = if map.logarithmic {
-        decades_of(map.x, all().map(|(x, _)| *x))
+        decades_of(&map.x, all().map(|(x, _)| *x))
     } else {
-        axis(map.x).zero_line(false)
+        axis(&map.x).zero_line(false)
     };
-    let y = decades_of(map.y, all().map(|(_, step)| 1e3 * step));
+    let y = decades_of(&map.y, all().map(|(_, step)| 1e3 * step));
     let id = format!("plot-map-{index}");
-    figure(traces, points(x, y), (&id, 440), &escape(map.caption))
+    figure(traces, points(x, y), (&id, 440), &escape(&map.caption))
 }
 
 /// Columns of the table of all runs.

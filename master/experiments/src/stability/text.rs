@@ -1,8 +1,7 @@
 //! The table on the terminal.
 
 use super::judge::{Line, StabilityTable};
-use crate::engine::export::status_word;
-use crate::engine::table::Status;
+use crate::engine::export::{grouped, status_counts, status_word};
 use results::report::aligned;
 use results::report::format::{significant, wrapped};
 use simulation::Mode;
@@ -21,13 +20,8 @@ impl Line {
 
 /// The ways of running a case, in the order of the columns.
 pub(super) fn ways(table: &StabilityTable) -> Vec<String> {
-    let mut ways = Vec::new();
-    for way in table.lines.iter().map(Line::way) {
-        if !ways.contains(&way) {
-            ways.push(way);
-        }
-    }
-    ways
+    let ways = grouped(table.lines.iter().map(|line| (line.way(), ())));
+    ways.into_iter().map(|(way, _)| way).collect()
 }
 
 /// Lines of one case, which follow one another.
@@ -35,19 +29,10 @@ pub(super) fn by_case(table: &StabilityTable) -> impl Iterator<Item = &[Line]> {
     table.lines.chunk_by(|a, b| a.case == b.case)
 }
 
-/// Number of runs with each status, in words.
+/// Number of runs, and of those with each status, in words.
 pub(super) fn counts(table: &StabilityTable) -> String {
-    let of = |status: &Status| {
-        table
-            .lines
-            .iter()
-            .filter(|line| line.row.status == Some(*status))
-            .count()
-    };
-    let counts = Status::ALL
-        .iter()
-        .map(|status| format!("{} {}", of(status), status.name()));
-    counts.collect::<Vec<_>>().join(", ")
+    let rows = table.lines.iter().map(|line| &line.row);
+    format!("{} runs: {}", table.lines.len(), status_counts(rows, 0))
 }
 
 /// The table of the hard cases.
@@ -64,7 +49,7 @@ pub(super) fn text(table: &StabilityTable) -> String {
             .chain(ways.iter().map(status))
             .collect()
     }));
-    let mut text = format!("{} runs: {}\n\n{}\n", table.lines.len(), counts(table), aligned(&rows));
+    let mut text = format!("{}\n\n{}\n", counts(table), aligned(&rows));
     for line in table.lines.iter().filter(|line| line.row.trouble().is_some()) {
         let boundary = match line.figures.boundary.as_str() {
             "" => String::new(),

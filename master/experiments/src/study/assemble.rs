@@ -2,8 +2,7 @@
 
 use super::judge::{Known, Script, State};
 use super::options::Sweep;
-use super::order::{Order, order};
-use super::outcome::{Entry, Levels, Reference, Study, label};
+use super::outcome::{Entry, Levels, Order, Reference, Study, label};
 use super::pareto::{pareto, recommendations};
 use super::plan::StudyRun;
 use super::reference::{Refinement, best};
@@ -12,6 +11,7 @@ use crate::engine::export::grouped;
 use crate::engine::table::{RunRow, Status};
 use results::curve::{Errors, ForceCurve};
 use results::report::format::milliseconds;
+use results::statistics::order_of_convergence;
 use simulation::Mode;
 use simulation::identity::settings;
 
@@ -28,7 +28,7 @@ pub(super) fn assemble(script: &Script, state: &State) -> Study {
         intervals: subject.intervals,
         ..Study::default()
     };
-    for family in Family::ALL {
+    for &family in Family::ALL {
         let wanted = script.refinements.iter().filter(|(of, _)| *of == family).count();
         let done = state.refinements.iter().filter(|found| found.family == family).count();
         if wanted > 0 && wanted == done {
@@ -75,7 +75,7 @@ pub(super) fn assemble(script: &Script, state: &State) -> Study {
         }
     }
     study.notes = notes(&study);
-    study.notes.extend(subject.left_out.iter().cloned());
+    study.notes.extend(subject.vehicles.left_out.iter().cloned());
     study.notes.extend(script.empty_sweeps());
     study
 }
@@ -177,7 +177,7 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
         spans: planned.spec.spans.map(|spans| spans as u64),
         working_memory_bytes: times.and_then(|times| times.memory),
         settings: settings.unwrap_or_default(),
-        vehicle_variant: (!subject.vehicle_variants.is_empty()).then(|| subject.vehicle_of(&planned.spec)),
+        vehicle_variant: (!subject.vehicles.all.is_empty()).then(|| subject.vehicle_of(&planned.spec)),
     }
 }
 
@@ -197,7 +197,8 @@ fn judge(script: &Script, state: &State, study: &Study, planned: &StudyRun) -> O
     let subject = &script.subject;
     let track = subject.vehicle_of(&planned.spec).track;
     let name = subject
-        .vehicle_variants
+        .vehicles
+        .all
         .iter()
         .map(|variant| variant.name)
         .find(|name| name.track == track)?;
@@ -255,7 +256,7 @@ fn orders(state: &State) -> Vec<Order> {
                 of: of.clone(),
                 sizes: [first.1, second.1, third.1],
                 differences,
-                order: order([first.0, second.0, third.0], differences),
+                order: order_of_convergence([first.0, second.0, third.0], differences),
             });
         }
     }

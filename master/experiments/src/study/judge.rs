@@ -12,9 +12,8 @@ use super::outcome::Study;
 use super::plan::{StudyRun, plan};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
 use super::run_spec::{Family, Subject};
-use crate::engine::{Attempt, Bench, Experiment, Planned, Run, Stage, Store, Times, Unmade};
+use crate::engine::{Attempt, Bench, Experiment, Planned, Run, Stage, Times, Unmade};
 use results::Machine;
-use results::ResultsError;
 use results::curve::ForceCurve;
 use simulation::identity::identity;
 use simulation::sliding_joint;
@@ -104,14 +103,6 @@ impl Script {
             .filter(|sweep| !made(sweep))
             .map(|sweep| format!("sweep {} has no run: {}", sweep.name(), why(&sweep)))
             .collect()
-    }
-
-    /// Opens the store of the study in `folder`.
-    ///
-    /// # Errors
-    /// See [`Store::open`].
-    pub fn store(&self, folder: &Path) -> Result<Store, ResultsError> {
-        Store::open(&folder.join(FOLDER), &self.machine)
     }
 
     fn run(&self, planned: &StudyRun) -> Run {

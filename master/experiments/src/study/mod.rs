@@ -9,7 +9,6 @@
 //! | `vehicle` | variants of the vehicle below the pantograph |
 //! | `judge` | the plan as an experiment: errors in parallel, times one at a time |
 //! | `assemble`, `outcome` | rows judged, in one table |
-//! | `order` | orders of convergence |
 //! | `pareto` | Pareto front and recommendations |
 //! | `text`, `page`, `plots` | for reading |
 //! | `rank` | rank of a single run in a study |
@@ -17,7 +16,6 @@
 mod assemble;
 mod judge;
 mod options;
-mod order;
 mod outcome;
 mod page;
 mod pareto;
@@ -33,8 +31,7 @@ mod vehicle;
 
 pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
 pub use options::{Options, Sweep};
-pub use order::Order;
-pub use outcome::{Entry, Levels, Reference, Study};
+pub use outcome::{Entry, Levels, Order, Reference, Study};
 pub use pareto::{Recommendation, TARGETS};
 pub use plan::StudyRun;
 pub use rank::{keep_ranks, rank};

@@ -1,5 +1,7 @@
 //! Options of a study, and its sweeps.
 
+use crate::engine::words;
+
 /// Options of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -30,42 +32,29 @@ pub struct Options {
 }
 
 impl Options {
-    /// Elements per dropper interval when nothing is said.
-    pub const ELEMENTS: [usize; 5] = [1, 2, 4, 8, 16];
-    /// Micro steps when nothing is said, s.
-    pub const MICRO_STEPS: [f64; 4] = [2.5e-4, 5e-4, 1e-3, 2e-3];
-    /// Macro steps when nothing is said, s.
-    pub const MACRO_STEPS: [f64; 3] = [1e-3, 2e-3, 5e-3];
-    /// Elements of a reduced study.
-    pub const QUICK_ELEMENTS: [usize; 3] = [2, 4, 8];
-    /// Micro steps of a reduced study, s.
-    pub const QUICK_MICRO_STEPS: [f64; 3] = [5e-4, 1e-3, 2e-3];
-    /// Spectral radii when nothing is said, –.
-    pub const RHO_INF: [f64; 4] = [0.5, 0.8, 0.9, 1.0];
     /// Tolerance of the reference when nothing is said, % of the standard deviation.
     pub const TOLERANCE: f64 = 0.2;
     /// Most work of a run of the reference when nothing is said: 64 elements per interval of the line of EN 50318 at
     /// 0.125 ms are 2e9.
     pub const WORK: f64 = 4e9;
-}
 
-impl Options {
-    /// `true` where a sweep is asked for; all are where none is named.
-    pub(super) fn sweeps_over(&self, sweep: Sweep) -> bool {
-        self.sweeps.is_empty() || self.sweeps.contains(&sweep)
-    }
-}
-
-impl Default for Options {
-    fn default() -> Self {
+    /// Options when nothing is said.
+    #[must_use]
+    pub fn usual(quick: bool) -> Self {
+        let (elements, micro_steps, rho_inf): (&[_], &[_], &[_]) = if quick {
+            (&[2, 4, 8], &[5e-4, 1e-3, 2e-3], &[])
+        } else {
+            let micro_steps = &[2.5e-4, 5e-4, 1e-3, 2e-3];
+            (&[1, 2, 4, 8, 16], micro_steps, &[0.5, 0.8, 0.9, 1.0])
+        };
         Self {
-            elements: Self::ELEMENTS.to_vec(),
-            micro_steps: Self::MICRO_STEPS.to_vec(),
-            macro_steps: Self::MACRO_STEPS.to_vec(),
-            rho_inf: Self::RHO_INF.to_vec(),
+            elements: elements.to_vec(),
+            micro_steps: micro_steps.to_vec(),
+            macro_steps: vec![1e-3, 2e-3, 5e-3],
+            rho_inf: rho_inf.to_vec(),
             reductions: Vec::new(),
             repeats: 3,
-            quick: false,
+            quick,
             tolerance: Self::TOLERANCE,
             work: Self::WORK,
             spans: Vec::new(),
@@ -73,66 +62,45 @@ impl Default for Options {
             sweeps: Vec::new(),
         }
     }
+
+    /// `true` where a sweep is asked for; all are where none is named.
+    pub(super) fn sweeps_over(&self, sweep: Sweep) -> bool {
+        self.sweeps.is_empty() || self.sweeps.contains(&sweep)
+    }
 }
 
-/// Sweeps that a run is part of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Sweep {
-    /// Levels of a reference.
-    Reference,
-    /// The scene as it is.
-    Scene,
-    /// Elements per dropper interval and corrections.
-    Mesh,
-    /// Micro step.
-    MicroStep,
-    /// Macro step, algorithm and extrapolation.
-    Coupling,
-    /// Spectral radius at infinite frequency.
-    RhoInf,
-    /// Reductions.
-    Reductions,
-    /// Mesh and micro step changed together, for each class of reductions.
-    Ladder,
-    /// Number of spans.
-    Spans,
-    /// Vehicle below the pantograph.
-    Vehicle,
+words! {
+    /// Sweeps that a run is part of.
+    pub enum Sweep {
+        /// Levels of a reference.
+        Reference = "reference",
+        /// The scene as it is.
+        Scene = "scene",
+        /// Elements per dropper interval and corrections.
+        Mesh = "mesh",
+        /// Micro step.
+        MicroStep = "micro_step",
+        /// Macro step, algorithm and extrapolation.
+        Coupling = "coupling",
+        /// Spectral radius at infinite frequency.
+        RhoInf = "rho_inf",
+        /// Reductions.
+        Reductions = "reductions",
+        /// Vehicle below the pantograph.
+        Vehicle = "vehicle",
+        /// Mesh and micro step changed together, for each class of reductions.
+        Ladder = "ladder",
+        /// Number of spans.
+        Spans = "spans",
+    }
 }
 
 impl Sweep {
     /// Sweeps that can be asked for: every study has its references.
-    pub const CHOICE: [Self; 9] = [
-        Self::Scene,
-        Self::Mesh,
-        Self::MicroStep,
-        Self::Coupling,
-        Self::RhoInf,
-        Self::Reductions,
-        Self::Vehicle,
-        Self::Ladder,
-        Self::Spans,
-    ];
+    pub const CHOICE: &[Self] = Self::ALL.split_at(1).1;
 
     /// `true` where its runs are judged by the reference of their family.
     pub(super) fn is_judged_by_reference(self) -> bool {
         !matches!(self, Self::Spans | Self::Vehicle)
-    }
-
-    /// The word of the table.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reference => "reference",
-            Self::Scene => "scene",
-            Self::Mesh => "mesh",
-            Self::MicroStep => "micro_step",
-            Self::Coupling => "coupling",
-            Self::RhoInf => "rho_inf",
-            Self::Reductions => "reductions",
-            Self::Ladder => "ladder",
-            Self::Spans => "spans",
-            Self::Vehicle => "vehicle",
-        }
     }
 }

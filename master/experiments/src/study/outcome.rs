@@ -3,13 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::options::Sweep;
-use super::order::Order;
 use super::pareto::Recommendation;
 use super::reference::Discretisation;
 use super::run_spec::Family;
 use super::text::known_to;
 use super::vehicle::VehicleVariantName;
-use crate::engine::table::{AUTO, Cell as _, Columns, RunRow};
+use crate::engine::table::{AUTO, Columns, RunRow};
 use crate::engine::{Sheet, Table};
 use results::Machine;
 use results::report::Page;
@@ -132,6 +131,21 @@ pub struct Levels {
     pub ended: String,
 }
 
+/// Order that three runs of one sweep show.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Order {
+    /// Refined quantity: `mesh` or `micro_step`.
+    pub sweep: &'static str,
+    /// Quantities that stay the same, in words.
+    pub of: String,
+    /// Elements per span or micro steps (s) of the three runs, coarse to fine.
+    pub sizes: [f64; 3],
+    /// Difference of the first two, and of the last two, % of the standard deviation.
+    pub differences: [f64; 2],
+    /// Order `p`; `None` where the differences do not fall.
+    pub order: Option<f64>,
+}
+
 impl Study {
     /// The rows of a sweep.
     pub fn of(&self, sweep: Sweep) -> impl Iterator<Item = &Entry> {
@@ -175,29 +189,29 @@ impl Study {
 impl Table for Study {
     fn sheet(&self) -> Sheet {
         let of_reference = |index: usize, entry: &Entry, known: fn(&Reference) -> Option<f64>| {
-            self.reference_of(index, entry).and_then(known).cell()
+            self.reference_of(index, entry).and_then(known)
         };
         let columns = Columns::of(&self.rows)
-            .text("sweep", |entry| entry.sweep.clone())
-            .text("pareto", |entry| u8::from(entry.pareto).to_string())
-            .text("rho_inf", |entry| format!("{:?}", entry.rho_inf))
-            .text("newton_tolerance_N", |entry| format!("{:?}", entry.newton_tolerance))
+            .column("sweep", |entry| entry.sweep.clone())
+            .column("pareto", |entry| u8::from(entry.pareto).to_string())
+            .column("rho_inf", |entry| format!("{:?}", entry.rho_inf))
+            .column("newton_tolerance_N", |entry| format!("{:?}", entry.newton_tolerance))
             .indexed("reference_uncertainty_percent_of_std", |index, entry| {
                 of_reference(index, entry, |found| found.uncertainty_percent)
             })
             .indexed("reference_confirmed_to_percent_of_std", |index, entry| {
                 of_reference(index, entry, |found| found.confirmed_to_percent)
             })
-            .value("distance_from_nonlinear_percent_of_std", |entry| {
+            .column("distance_from_nonlinear_percent_of_std", |entry| {
                 entry.distance_from_nonlinear_percent
             })
-            .value("setup_s", |entry| entry.setup_s)
-            .count("spans", |entry| entry.spans)
-            .count("working_memory_bytes", |entry| entry.working_memory_bytes)
-            .text("vehicle", |entry| entry.stands_on().vehicle.to_owned())
-            .text("track", |entry| entry.stands_on().track.to_owned())
-            .text("scene_hash", |_| self.identity.clone())
-            .text("settings_hash", |entry| entry.settings.clone());
+            .column("setup_s", |entry| entry.setup_s)
+            .column("spans", |entry| entry.spans)
+            .column("working_memory_bytes", |entry| entry.working_memory_bytes)
+            .column("vehicle", |entry| entry.stands_on().vehicle.to_owned())
+            .column("track", |entry| entry.stands_on().track.to_owned())
+            .column("scene_hash", |_| self.identity.clone())
+            .column("settings_hash", |entry| entry.settings.clone());
         Sheet {
             leading: Vec::new(),
             rows: self.rows.iter().map(|entry| entry.row.clone()).collect(),

@@ -1,13 +1,12 @@
 //! `study.html`.
 
 use super::options::Sweep;
-use super::order::Order;
-use super::outcome::{Entry, Study};
+use super::outcome::{Entry, Order, Study};
 use super::pareto::{Recommendation, TARGETS, speed};
 use super::run_spec::Class;
 use super::text::known;
 use super::{CSV, plots};
-use crate::engine::export::{grouped, reasons, run_lines, scene_lead, status_rule, status_span};
+use crate::engine::export::{grouped, reasons, run_lines, scene_lead, scene_page, status_rule, status_span};
 use crate::engine::table::RunRow;
 use results::report::format::{count, fixed, milliseconds, number, step};
 use results::report::{Page, PageColumn, cell, cells, escape, head_cells, heads, lined, remarks, scrolled};
@@ -15,12 +14,7 @@ use simulation::SETTLE;
 
 /// The page of a study.
 pub(super) fn page(study: &Study) -> Page {
-    let title = if study.title.is_empty() {
-        &study.scene
-    } else {
-        &study.title
-    };
-    let mut page = Page::new(&format!("Speed against error: {title}"));
+    let mut page = scene_page("Speed against error", &study.scene, &study.title);
     page.lead(&lead(study));
     page.section("What to take", &recommended(study));
     page.section("Error against cost", &plots::precision(study));

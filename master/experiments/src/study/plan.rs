@@ -1,7 +1,7 @@
 //! Runs of a study: a base case, sweeps that change one thing at a time, and a ladder of balanced meshes and steps.
 
 use super::options::{Options, Sweep};
-use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject, correction_sets};
+use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject, correction_sets, reduce_key};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
 use crate::engine::Variant;
@@ -334,7 +334,7 @@ impl Plan<'_> {
     /// The base case on everything else that the pantograph may stand on, with all reductions that change nothing
     /// there.
     fn vehicle(&mut self) {
-        for vehicle_variant in &self.subject.vehicle_variants {
+        for vehicle_variant in &self.subject.vehicles.all {
             let spec = RunSpec {
                 reductions: vec![AUTO.to_owned()],
                 vehicle_variant: Some(vehicle_variant.clone()),
@@ -351,7 +351,7 @@ impl Plan<'_> {
         let classes: [&[&str]; 4] = [&[], &["window"], &["linearised"], &["linearised", "window"]];
         for names in classes {
             let reductions = subject.with(names);
-            if !names.is_empty() && !subject.takes_reductions(&reductions) {
+            if !names.is_empty() && !subject.takes(&[reduce_key(&reductions)]) {
                 continue;
             }
             for &(elements, micro_step, _) in LADDER.iter().filter(|(.., short)| *short || !quick) {

@@ -12,7 +12,8 @@ use crate::engine::export::plot::{ERROR, is_shown, run_curve};
 use crate::engine::table::{AUTO, RunRow};
 use results::report::format::{milliseconds, number};
 use results::report::plots::{
-    BOUND, Labels, Trace, colour, curve, decades_of, dotted, figure, finished, marked, marked_axis, open_points, points,
+    BOUND, Labels, Trace, colour, curve, decades_of, dotted, extent, figure, finished, marked, marked_axis,
+    open_points, points,
 };
 
 fn hover(study: &Study, row: &RunRow) -> String {
@@ -61,11 +62,9 @@ pub(super) fn precision(study: &Study) -> String {
         return String::new();
     }
     let usual = usual_mesh(study);
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let values = || placed.iter().map(move |(_, (_, point))| of(point));
-        (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max))
-    };
-    let ((fastest, slowest), (best, worst)) = (range(|point| point.0), range(|point| point.1));
+    let points_of = || placed.iter().map(|(_, (_, point))| point);
+    let [fastest, slowest] = extent(points_of().map(|point| point.0));
+    let [best, worst] = extent(points_of().map(|point| point.1));
     let (low, high) = (fastest / 1.3, slowest * 1.6);
     let mut classes = grouped(placed);
     classes.sort_by_key(|(class, _)| *class);
@@ -97,7 +96,7 @@ pub(super) fn precision(study: &Study) -> String {
         traces.push(dotted(vec![low, high], vec![uncertainty; 2], &name, BOUND));
     }
     let factors = "real-time factor: wall time of the time loop over simulated time";
-    let axes = points(
+    let (factors, errors) = (
         decades_of(factors, [fastest, slowest]),
         decades_of(ERROR, [best, worst]),
     );
@@ -115,7 +114,7 @@ pub(super) fn precision(study: &Study) -> String {
          its own model. Wall time in seconds is {:.2} times the real-time factor.",
         study.simulated_s
     );
-    figure(traces, axes, ("plot-precision", 560), &caption)
+    figure(traces, points(factors, errors), ("plot-precision", 560), &caption)
 }
 
 /// Error over a quantity `x` of the rows of a sweep, one curve for each name.
@@ -204,12 +203,9 @@ pub(super) fn coupling(study: &Study) -> String {
     });
     let error = alone.and_then(|row| row.filtered_error);
     if let Some(error) = error.filter(|error| *error > 0.0) {
-        let ends = [
-            plot.places().fold(f64::INFINITY, f64::min),
-            plot.places().fold(0.0, f64::max),
-        ];
+        let ends = extent(plot.places()).to_vec();
         let name = format!("one system: {error:.2} %");
-        plot.traces.push(dotted(ends.to_vec(), vec![error; 2], &name, BOUND));
+        plot.traces.push(dotted(ends, vec![error; 2], &name, BOUND));
     }
     plot.figure(
         "macro step [ms]",
@@ -228,24 +224,18 @@ pub(super) fn growth(study: &Study) -> String {
     let spans = || marked_axis("spans", rows.iter().filter_map(|entry| Some(entry.spans? as f64)));
     let draw = |value: fn(&Entry) -> Option<f64>, what: &str, dash: DashType| {
         let line = |(index, line): (usize, &str)| {
-            let of_line = rows.iter();
-            let of_line = of_line.filter(|entry| usize::from(Class::of(&entry.row.reduction).window) == index);
+            let of_line = |entry: &&&Entry| usize::from(Class::of(&entry.row.reduction).window) == index;
             let at = |entry: &&Entry| Some((entry.spans? as f64, value(entry).filter(|value| *value > 0.0)?));
-            let mut places: Vec<(f64, f64)> = of_line.filter_map(at).collect();
+            let mut places: Vec<(f64, f64)> = rows.iter().filter(of_line).filter_map(at).collect();
             places.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (x, y): (Vec<f64>, Vec<f64>) = places.into_iter().unzip();
             let stroke = Line::new().color(colour(index)).width(1.8).dash(dash.clone());
-            let drawn = !x.is_empty();
-            let line = curve(x, y, &format!("{line}{what}"), colour(index), 1.8).mode(Draw::LinesMarkers);
             let mark = Marker::new().color(colour(index)).size(8);
-            drawn.then(|| line.line(stroke).marker(mark))
+            let drawn = (!x.is_empty()).then(|| curve(x, y, &format!("{line}{what}"), colour(index), 1.8))?;
+            Some(drawn.mode(Draw::LinesMarkers).line(stroke).marker(mark))
         };
-        let lines: Vec<Trace> = ["whole line", "window"]
-            .into_iter()
-            .enumerate()
-            .filter_map(line)
-            .collect();
-        lines
+        let lines = ["whole line", "window"].into_iter().enumerate();
+        lines.filter_map(line).collect::<Vec<Trace>>()
     };
     let factor = |entry: &Entry| entry.row.real_time_factor;
     let memory = |entry: &Entry| Some(entry.working_memory_bytes? as f64 / 1e6);

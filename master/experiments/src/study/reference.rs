@@ -3,13 +3,11 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use serde::Serialize;
-
 use super::options::{Options, Sweep};
 use super::plan::{StudyRun, base};
 use super::run_spec::{Family, Mesh, RunSpec, Subject};
 use crate::engine::table::Status;
-use crate::engine::{Attempt, Unmade};
+use crate::engine::{Attempt, Unmade, words};
 use results::curve::{Errors, ForceCurve, NO_ERRORS};
 
 /// Most levels: each has twice the elements at half the micro step.
@@ -18,23 +16,13 @@ const LEVELS: u32 = 8;
 /// Makes a run.
 pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Arc<Attempt>, Unmade> + 'a;
 
-/// Mesh of a reference that is refined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Discretisation {
-    /// Elements with all corrections that the scene takes.
-    Corrected,
-    /// Elements alone.
-    Plain,
-}
-
-impl Discretisation {
-    /// The word of tables.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Corrected => "corrected",
-            Self::Plain => "plain",
-        }
+words! {
+    /// Mesh of a reference that is refined.
+    pub enum Discretisation {
+        /// Elements with all corrections that the scene takes.
+        Corrected = "corrected",
+        /// Elements alone.
+        Plain = "plain",
     }
 }
 

@@ -2,9 +2,9 @@
 
 use scene::{Catenary, Division, Scene};
 
-use super::vehicle::{VehicleVariant, VehicleVariantName, own_name, vehicle_variants};
-use crate::engine::Variant;
+use super::vehicle::{VehicleVariant, VehicleVariantName, VehicleVariants, own_name, vehicle_variants};
 use crate::engine::table::{AUTO, Keys};
+use crate::engine::{Variant, words};
 use simulation::{Mode, Prepared};
 use system::one_system::OneSystem;
 
@@ -30,31 +30,19 @@ pub(super) fn correction_sets() -> impl Iterator<Item = Vec<String>> {
 /// Reductions that change the model: they are judged, and no reference has them.
 const APPROXIMATE: [&str; 4] = ["linearised", "flat", "window", "modal"];
 
-/// The model that a run is an approximation of, which says what its error is taken against.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Family {
-    /// The line as it is.
-    Nonlinear,
-    /// Linearised about its static state.
-    Linearised,
-    /// Straight wires with small slopes.
-    Flat,
+words! {
+    /// The model that a run is an approximation of, which says what its error is taken against.
+    pub enum Family {
+        /// The line as it is.
+        Nonlinear = "nonlinear",
+        /// Linearised about its static state.
+        Linearised = "linearised",
+        /// Straight wires with small slopes.
+        Flat = "flat",
+    }
 }
 
 impl Family {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Nonlinear, Self::Linearised, Self::Flat];
-
-    /// The word of tables.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Nonlinear => "nonlinear",
-            Self::Linearised => "linearised",
-            Self::Flat => "flat",
-        }
-    }
-
     /// Value for a set of reductions, joined by `+`.
     pub(super) fn of(reductions: &str) -> Self {
         let has = |name: &str| reductions.split('+').any(|reduction| reduction == name);
@@ -175,9 +163,7 @@ pub struct Subject {
     /// Step that resolves the low-pass filter's band, s.
     pub micro_step: f64,
     /// Other vehicles below the pantograph.
-    pub vehicle_variants: Vec<VehicleVariant>,
-    /// Vehicles that are left out, with the reason.
-    pub left_out: Vec<String>,
+    pub vehicles: VehicleVariants,
 }
 
 impl Subject {
@@ -195,17 +181,15 @@ impl Subject {
             corrections: None,
             reductions: exact.map(str::to_owned).collect(),
             keys: Keys::of(&scene, overrides),
-            elements: line.map_or(1, |_| resolving_elements(&scene)),
+            elements: catenary::mesh::resolving_elements(&scene),
             intervals: line.map_or(1, Catenary::intervals_per_span),
             micro_step: 0.02 / scene.run.low_pass_hz,
-            vehicle_variants: Vec::new(),
-            left_out: Vec::new(),
+            vehicles: VehicleVariants::default(),
             scene,
             text,
         };
         if vehicles {
-            let found = vehicle_variants(&subject.scene, subject.micro_step);
-            (subject.vehicle_variants, subject.left_out) = (found.all, found.left_out);
+            subject.vehicles = vehicle_variants(&subject.scene, subject.micro_step);
         }
         subject.corrections = subject.accepted_corrections();
         subject
@@ -243,11 +227,6 @@ impl Subject {
     /// `true` where the scene can be read with these keys too.
     pub(super) fn takes(&self, overrides: &[String]) -> bool {
         system::load(&self.text, &self.name, overrides).is_ok()
-    }
-
-    /// `true` where the scene takes a set of reductions.
-    pub(super) fn takes_reductions(&self, reductions: &[String]) -> bool {
-        self.meshed && self.takes(&[reduce_key(reductions)])
     }
 
     /// The scene's reductions and one more.
@@ -380,25 +359,6 @@ impl Subject {
     }
 }
 
-/// Element length per wave ahead of the pantograph at which a plain mesh comes down to a few percent: 0.8 m for 1.9 m,
-/// from convergence studies of tensioned beams with cubic elements. It is where a study begins, not what its results
-/// are worth: that is measured, and the rule of [`catenary::mesh::expected_error`] is not asked.
-const FINE: f64 = 0.42;
-
-/// Elements per dropper interval, a power of two, that are short enough for the waves ahead of the pantograph.
-fn resolving_elements(scene: &Scene) -> usize {
-    let Some((line, _)) = scene.modelled_line() else {
-        return 1;
-    };
-    let wave = (line.contact_wire.wave_speed() - scene.run.speed) / scene.run.low_pass_hz;
-    let wanted = line.longest_interval() / (FINE * wave);
-    if !(wanted.is_finite() && wanted > 0.0) {
-        return 8;
-    }
-    // A tenth of an octave too long is no reason for twice as many.
-    2_usize.pow((wanted.log2() - 0.1).ceil().clamp(0.0, 6.0) as u32)
-}
-
 fn division_key(division: Division) -> String {
     match division {
         Division::PerInterval(count) => format!("catenary.mesh.elements_per_interval={count}"),
@@ -406,18 +366,19 @@ fn division_key(division: Division) -> String {
     }
 }
 
-fn corrections_key(corrections: &[String]) -> String {
-    if corrections.is_empty() {
-        "catenary.mesh.corrections=none".to_owned()
-    } else {
-        format!("catenary.mesh.corrections={corrections:?}")
+/// A key whose value is a list of names.
+fn list_key(key: &str, names: &[String]) -> String {
+    match names {
+        [] => format!("{key}=none"),
+        [auto] if auto == AUTO => format!("{key}={AUTO}"),
+        names => format!("{key}={names:?}"),
     }
 }
 
-fn reduce_key(reductions: &[String]) -> String {
-    match reductions {
-        [] => "model.reduce=none".to_owned(),
-        [auto] if auto == AUTO => format!("model.reduce={AUTO}"),
-        reductions => format!("model.reduce={reductions:?}"),
-    }
+fn corrections_key(corrections: &[String]) -> String {
+    list_key("catenary.mesh.corrections", corrections)
+}
+
+pub(super) fn reduce_key(reductions: &[String]) -> String {
+    list_key("model.reduce", reductions)
 }

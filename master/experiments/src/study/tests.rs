@@ -6,10 +6,10 @@ use scene::{Division, Scene};
 use super::page::page;
 use super::text::text;
 use super::*;
-use crate::engine::Table as _;
 use crate::engine::export::{Csv, Exporter as _};
 use crate::engine::table::{RunRow, Status};
 use crate::engine::tests::executed_in;
+use crate::engine::{Store, Table as _};
 use simulation::Mode;
 use simulation::identity::{identity, settings};
 
@@ -45,7 +45,7 @@ fn tiny() -> Options {
         quick: true,
         // The second level is near enough.
         tolerance: 90.0,
-        ..Options::default()
+        ..Options::usual(true)
     }
 }
 
@@ -56,9 +56,14 @@ fn scripted(scene: Scene, options: Options) -> Script {
     script
 }
 
+/// The store of a study in `folder`.
+fn store(script: &Script, folder: &Path) -> Store {
+    Store::open(&folder.join(FOLDER), &script.machine).unwrap()
+}
+
 /// Makes a study in `folder`; with `stop`, it is interrupted when so many rows are known.
 fn studied(script: &Script, folder: &Path, stop: Option<usize>) -> Study {
-    let store = script.store(folder).unwrap();
+    let store = store(script, folder);
     let interrupted = AtomicBool::new(false);
     executed_in(&store, script, script.machine.cores, &interrupted, &mut |study| {
         if stop.is_some_and(|stop| study.made().0 >= stop) {
@@ -79,7 +84,7 @@ fn without_times(study: &Study) -> Vec<RunRow> {
 
 #[test]
 fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
-    let script = scripted(short(&[]), Options::default());
+    let script = scripted(short(&[]), Options::usual(false));
     let planned = &script.planned;
     for (index, run) in planned.iter().enumerate() {
         assert!(planned[..index].iter().all(|other| !other.same(run)), "{run:?}");
@@ -92,21 +97,21 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
         } => elements,
         _ => 0,
     };
-    for count in Options::ELEMENTS {
+    for count in script.options.elements.iter().copied() {
         assert!(of(Sweep::Mesh).any(|run| elements(run) == count));
     }
     let base = script.subject.micro_step;
     // 10 Hz: twice the step that 20 Hz needs.
     assert_eq!((base, script.subject.elements), (2e-3, 4));
     assert!(of(Sweep::Mesh).all(|run| run.spec.micro_step == base && run.variant.mode == Mode::Monolithic));
-    for step in Options::MICRO_STEPS {
+    for step in script.options.micro_steps.iter().copied() {
         assert!(
             of(Sweep::MicroStep).any(|run| run.spec.micro_step == step && elements(run) == script.subject.elements)
         );
     }
     assert!(of(Sweep::Coupling).all(|run| run.variant.mode == Mode::Inprocess));
-    assert!(of(Sweep::Coupling).count() >= Options::MACRO_STEPS.len() + crate::compare::algorithms().len() - 1);
-    assert_eq!(of(Sweep::RhoInf).count(), Options::RHO_INF.len());
+    assert!(of(Sweep::Coupling).count() >= script.options.macro_steps.len() + crate::compare::algorithms().len() - 1);
+    assert_eq!(of(Sweep::RhoInf).count(), script.options.rho_inf.len());
     // The scene as it is: alone and coupled.
     assert_eq!(of(Sweep::Scene).count(), 2);
     // Both things change on the ladder.
@@ -121,7 +126,7 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
 fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
     let text = include_str!("../../../../scenes/en50318-300.toml");
     let scene = system::load(text, "scene.toml", &[]).unwrap();
-    let script = scripted(scene, Options::default());
+    let script = scripted(scene, Options::usual(false));
     let division = |run: &StudyRun| match &run.spec.mesh {
         Mesh::Of { division, .. } => Some(*division),
         Mesh::Scene => None,
@@ -161,10 +166,10 @@ fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
 fn a_reduced_study_is_smaller_and_lists_are_taken_as_typed() {
     let quick = Options {
         quick: true,
-        ..Options::default()
+        ..Options::usual(false)
     };
     let count = |options: Options| scripted(short(&[]), options).planned.len();
-    assert!(count(quick) < count(Options::default()));
+    assert!(count(quick) < count(Options::usual(false)));
     let asked = Options {
         reductions: vec!["none".to_owned(), "planar".to_owned()],
         spans: vec![3, 4],
@@ -349,7 +354,7 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_ranks_a_run() {
     // The table: the promised columns first, a status in every row, and it reads back.
     let rows = study.sheet().rows;
     let out = Csv.string(&study).unwrap();
-    let store = script.store(folder.path()).unwrap();
+    let store = store(&script, folder.path());
     keep_ranks(&store, &study).unwrap();
     let mut reader = csv::Reader::from_reader(out.as_bytes());
     let head = reader.headers().unwrap().clone();

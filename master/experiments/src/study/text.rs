@@ -8,7 +8,7 @@ use super::run_spec::Class;
 use crate::engine::export::{grouped, scene_head};
 use crate::engine::table::RunRow;
 use results::report::format::{milliseconds, or_dash, short, wrapped};
-use results::report::{TextColumn, aligned, heading, text_cells, text_table};
+use results::report::{TextColumn, aligned, grouped_table, text_table};
 
 /// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.
 pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {
@@ -65,15 +65,11 @@ pub(super) fn text(study: &Study) -> String {
     let mut classes = grouped(front().map(|row| (Class::of(&row.reduction), row)));
     classes.sort_by_key(|(class, _)| *class);
     let cost = |row: &RunRow| row.real_time_factor.unwrap_or(f64::INFINITY);
-    let mut rows = heading(FRONT);
-    for (class, mut of_class) in classes {
+    for (_, of_class) in &mut classes {
         of_class.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        rows.push(vec![format!("{}:", class.name())]);
-        rows.extend(of_class.into_iter().map(|row| text_cells(FRONT, row)));
     }
-    text.push('\n');
-    text.push_str(&aligned(&rows));
-    text.push('\n');
+    let classes = classes.into_iter().map(|(class, rows)| (class.name(), rows));
+    text.push_str(&format!("\n{}\n", aligned(&grouped_table(FRONT, classes))));
     for found in &study.recommendations {
         text.push_str(&wrapped(&format!("{}: {}", found.class, found.text)));
     }

@@ -40,7 +40,7 @@ pub use line::{
 pub use progress::{Progress, Show};
 pub use rows::{PageColumn, cell, cells, heads, lined, saved, scrolled, spanning};
 pub use table::{
-    TextColumn, aligned, heading, table, text_cells, text_table, verdict_class, verdict_word,
+    TextColumn, aligned, grouped_table, heading, table, text_cells, text_table, verdict_class, verdict_word,
 };
 pub use verdict::failed_limits;
 

@@ -152,6 +152,21 @@ pub fn text_table<'a, T: 'a, const N: usize>(
     heading(columns).into_iter().chain(rows).collect()
 }
 
+/// A table of text whose rows stand in groups, each below its name.
+pub fn grouped_table<'a, T: 'a, const N: usize>(
+    columns: &[TextColumn<T, N>],
+    groups: impl IntoIterator<Item = (String, Vec<&'a T>)>,
+) -> Vec<Vec<String>> {
+    let of_group = |(name, entries): (String, Vec<&'a T>)| {
+        let rows = entries.into_iter().map(|entry| text_cells(columns, entry));
+        std::iter::once(vec![format!("{name}:")])
+            .chain(rows)
+            .collect::<Vec<_>>()
+    };
+    let rows = groups.into_iter().flat_map(of_group);
+    heading(columns).into_iter().chain(rows).collect()
+}
+
 fn row(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|c| (*c).to_owned()).collect()
 }

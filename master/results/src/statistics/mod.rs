@@ -1,5 +1,5 @@
 //! Figures of a recorded signal: low-pass filters, contact force statistics by band and stretch, losses of contact,
-//! power spectral density and histogram.
+//! power spectral density and histogram; orders of convergence.
 //!
 //! Signals are sampled at a constant step. Forces are in N, times in s.
 //!
@@ -13,6 +13,7 @@ mod detail_tests;
 mod filter;
 mod force;
 mod losses;
+mod order;
 mod spectrum;
 mod stretches;
 #[cfg(test)]
@@ -25,5 +26,6 @@ pub use force::{
     loss_of_contact_percent, peak_to_peak, quantiles, rms_difference, sample_range,
 };
 pub use losses::{Loss, LossClass, loss_classes, losses};
+pub use order::order_of_convergence;
 pub use spectrum::{Spectrum, power_spectral_density};
 pub use stretches::{Stretch, stretches};

@@ -1,7 +1,6 @@
 //! Tables as CSV.
 
-use std::io::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
 use super::{Exporter, Sheet, Table};
 use crate::engine::table::{Column, RunRow};
@@ -12,37 +11,33 @@ use results::ResultsError;
 pub struct Csv;
 
 impl Exporter for Csv {
-    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError> {
-        write(out, path, &table.sheet())
+    fn string(&self, table: &impl Table) -> Result<String, ResultsError> {
+        table.sheet().csv().map_err(|source| ResultsError::Csv {
+            path: PathBuf::new(),
+            source,
+        })
     }
 }
 
-/// Writes a sheet as CSV to `out`; `path` is named in errors.
-///
-/// # Errors
-/// Reports of `out`.
-pub fn write(out: impl Write, path: &Path, sheet: &Sheet) -> Result<(), ResultsError> {
-    let failed = |source| ResultsError::Csv {
-        path: path.to_owned(),
-        source,
-    };
-    let mut writer = csv::Writer::from_writer(out);
-    let names = |columns: &[Column]| -> Vec<&'static str> { columns.iter().map(|(name, _)| *name).collect() };
-    let head = names(&sheet.leading)
-        .into_iter()
-        .chain(RunRow::COLUMNS.iter().copied())
-        .chain(names(&sheet.trailing));
-    writer.write_record(head).map_err(failed)?;
-    for (index, row) in sheet.rows.iter().enumerate() {
-        let cells = |columns: &[Column]| -> Vec<String> {
-            let cell = |(_, cells): &Column| cells.get(index).cloned().unwrap_or_default();
-            columns.iter().map(cell).collect()
-        };
-        let record = cells(&sheet.leading)
-            .into_iter()
-            .chain(row.cells())
-            .chain(cells(&sheet.trailing));
-        writer.write_record(record).map_err(failed)?;
+impl Sheet {
+    /// The sheet as CSV.
+    ///
+    /// # Errors
+    /// Columns of different lengths.
+    pub fn csv(&self) -> Result<String, csv::Error> {
+        let mut bytes = Vec::new();
+        let mut writer = csv::Writer::from_writer(&mut bytes);
+        let names = |columns: &[Column]| -> Vec<&'static str> { columns.iter().map(|(name, _)| *name).collect() };
+        writer.write_record([&names(&self.leading)[..], RunRow::COLUMNS, &names(&self.trailing)].concat())?;
+        for (index, row) in self.rows.iter().enumerate() {
+            let cells = |columns: &[Column]| -> Vec<String> {
+                let cell = |(_, cells): &Column| cells.get(index).cloned().unwrap_or_default();
+                columns.iter().map(cell).collect()
+            };
+            writer.write_record([cells(&self.leading), row.cells(), cells(&self.trailing)].concat())?;
+        }
+        writer.flush()?;
+        drop(writer);
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
-    writer.flush().map_err(results::io(path, "write"))
 }

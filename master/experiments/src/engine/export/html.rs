@@ -1,21 +1,18 @@
 //! Tables as pages, and pieces that several pages have.
 
-use std::io::Write;
-use std::path::Path;
-
 use super::{Exporter, Table};
 use crate::engine::table::{RunRow, STATUS_RULE, Status};
 use results::ResultsError;
-use results::report::{PageColumn, cell, cells, escape, head_cells, lined};
+use results::report::format::milliseconds;
+use results::report::{Page, PageColumn, cell, cells, escape, head_cells, lined};
 
 /// One file that needs no network.
 #[derive(Clone, Copy, Debug)]
 pub struct Html;
 
 impl Exporter for Html {
-    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError> {
-        let page = table.sections().finish();
-        out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
+    fn string(&self, table: &impl Table) -> Result<String, ResultsError> {
+        Ok(table.sections().finish())
     }
 }
 
@@ -44,11 +41,32 @@ pub(crate) fn reasons(heading: &str, class: &str, said: Vec<(String, &str)>) -> 
     format!("<details><summary>{heading}</summary>{table}</details>\n")
 }
 
+/// A table with a column for each macro step (s); a line is the cell of its name, and the HTML of the others.
+pub(crate) fn over_steps(
+    heading: &str,
+    steps: &[f64],
+    lines: impl IntoIterator<Item = (String, Vec<String>)>,
+) -> String {
+    let step = |step: &f64| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step)));
+    let steps: String = steps.iter().map(step).collect();
+    let line = |(name, html): (String, Vec<String>)| {
+        let cells: String = html.iter().map(|html| cell("n", html)).collect();
+        name + &cells
+    };
+    lined(&format!("<th>{heading}</th>{steps}"), lines.into_iter().map(line))
+}
+
+/// An empty page on one scene, which has a title or else its name.
+pub(crate) fn scene_page(subject: &str, scene: &str, title: &str) -> Page {
+    let title = if title.is_empty() { scene } else { title };
+    Page::new(&format!("{subject}: {title}"))
+}
+
 /// First lines of a page on one scene: its name, the number of runs by status, `more`, its source, a warning where runs
 /// are missing with `remedy` behind it.
 pub(crate) fn scene_lead(scene: &str, source: &str, table: &impl Table, more: &str, remedy: &str) -> String {
     let rows = table.sheet().rows;
-    let (name, counts) = (escape(scene), status_counts(&rows));
+    let (name, counts) = (escape(scene), status_counts(rows.iter(), 1));
     let mut html = format!("<p><b>{name}</b> · {} runs: {counts}</p>\n{more}", rows.len());
     if !source.is_empty() {
         html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(source)));
@@ -79,13 +97,13 @@ pub(crate) fn status_span(status: Option<Status>) -> String {
     format!("<span class=\"{class}\">{}</span>", status_word(status))
 }
 
-/// Number of rows with each status, in words.
-fn status_counts(rows: &[RunRow]) -> String {
-    let count = |status: Status| {
-        let count = rows.iter().filter(|row| row.status == Some(status)).count();
-        (count > 0).then(|| format!("{count} {}", status.name()))
+/// Number of rows with each status that `least` rows have, in words.
+pub(crate) fn status_counts<'a>(rows: impl Iterator<Item = &'a RunRow> + Clone, least: usize) -> String {
+    let count = |status: &Status| {
+        let count = rows.clone().filter(|row| row.status == Some(*status)).count();
+        (count >= least).then(|| format!("{count} {}", status.name()))
     };
-    let counts: Vec<String> = Status::ALL.into_iter().filter_map(count).collect();
+    let counts: Vec<String> = Status::ALL.iter().filter_map(count).collect();
     counts.join(", ")
 }
 

@@ -1,6 +1,5 @@
 //! Tables as JSON.
 
-use std::io::Write;
 use std::path::Path;
 
 use super::{Exporter, Table};
@@ -11,7 +10,9 @@ use results::ResultsError;
 pub struct Json;
 
 impl Exporter for Json {
-    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError> {
-        results::write_json(out, path, table)
+    fn string(&self, table: &impl Table) -> Result<String, ResultsError> {
+        let mut bytes = Vec::new();
+        results::write_json(&mut bytes, Path::new(""), table)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 }

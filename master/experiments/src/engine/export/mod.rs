@@ -15,18 +15,18 @@ mod json;
 pub(crate) mod plot;
 mod text;
 
-use std::io::Write;
-use std::path::Path;
-
 use serde::Serialize;
 
 use super::table::{Column, RunRow};
 use results::report::Page;
 use results::{OutputDirectory, ResultsError};
 
-pub use self::csv::{Csv, write};
+pub use self::csv::Csv;
 pub use html::Html;
-pub(crate) use html::{incomplete, reasons, run_lines, scene_lead, status_rule, status_span, status_word};
+pub(crate) use html::{
+    incomplete, over_steps, reasons, run_lines, scene_lead, scene_page, status_counts, status_rule, status_span,
+    status_word,
+};
 pub use json::Json;
 pub use text::Text;
 pub(crate) use text::scene_head;
@@ -60,7 +60,10 @@ pub trait Table: Serialize {
     fn sheet(&self) -> Sheet;
 
     /// `true` where every run was made.
-    fn is_complete(&self) -> bool;
+    fn is_complete(&self) -> bool {
+        let (made, all) = self.made();
+        made == all
+    }
 
     /// Number of runs that were made, and of all.
     fn made(&self) -> (usize, usize) {
@@ -77,27 +80,20 @@ pub trait Table: Serialize {
 
 /// One format of a table.
 pub trait Exporter {
-    /// Writes the table to `out`; `path` is named in errors.
+    /// The table as a string.
     ///
     /// # Errors
-    /// Reports of `out`.
-    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError>;
+    /// A value that the format does not take.
+    fn string(&self, table: &impl Table) -> Result<String, ResultsError>;
 
     /// Replaces the file `name` of a directory by the table.
     ///
     /// # Errors
     /// Reports of the operating system.
     fn replace(&self, table: &impl Table, output: &OutputDirectory, name: &str) -> Result<(), ResultsError> {
-        output.replace(name, |mut out, path| self.export(table, &mut out, path))
-    }
-
-    /// The table as a string.
-    ///
-    /// # Errors
-    /// A value that the format does not take.
-    fn string(&self, table: &impl Table) -> Result<String, ResultsError> {
-        let mut bytes = Vec::new();
-        self.export(table, &mut bytes, Path::new(""))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        let text = self.string(table)?;
+        output.replace(name, |out, path| {
+            out.write_all(text.as_bytes()).map_err(results::io(path, "write"))
+        })
     }
 }

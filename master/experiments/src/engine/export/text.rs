@@ -1,8 +1,5 @@
 //! Tables on the terminal.
 
-use std::io::Write;
-use std::path::Path;
-
 use super::{Exporter, Table};
 use results::ResultsError;
 
@@ -11,9 +8,8 @@ use results::ResultsError;
 pub struct Text;
 
 impl Exporter for Text {
-    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError> {
-        out.write_all(table.text().as_bytes())
-            .map_err(results::io(path, "write"))
+    fn string(&self, table: &impl Table) -> Result<String, ResultsError> {
+        Ok(table.text())
     }
 }
 

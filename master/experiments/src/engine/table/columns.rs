@@ -20,28 +20,17 @@ impl<'a, T> Columns<'a, T> {
         Self { entries, columns }
     }
 
-    /// Appends a column of text.
+    /// Appends a column.
     #[must_use]
-    pub fn text(self, name: &'static str, cell: impl Fn(&T) -> String) -> Self {
+    pub fn column<C: Cell>(self, name: &'static str, cell: impl Fn(&T) -> C) -> Self {
         self.indexed(name, |_, entry| cell(entry))
     }
 
-    /// Appends a column of values, empty where there is none.
+    /// Appends a column that depends on the place of an entry too.
     #[must_use]
-    pub fn value(self, name: &'static str, value: impl Fn(&T) -> Option<f64>) -> Self {
-        self.text(name, |entry| value(entry).cell())
-    }
-
-    /// Appends a column of counts, empty where there is none.
-    #[must_use]
-    pub fn count(self, name: &'static str, count: impl Fn(&T) -> Option<u64>) -> Self {
-        self.text(name, |entry| count(entry).cell())
-    }
-
-    /// Appends a column of text that depends on the place of an entry too.
-    #[must_use]
-    pub fn indexed(mut self, name: &'static str, cell: impl Fn(usize, &T) -> String) -> Self {
-        let cells = self.entries.iter().enumerate().map(|(index, entry)| cell(index, entry));
+    pub fn indexed<C: Cell>(mut self, name: &'static str, cell: impl Fn(usize, &T) -> C) -> Self {
+        let entries = self.entries.iter().enumerate();
+        let cells = entries.map(|(index, entry)| cell(index, entry).cell());
         self.columns.push((name, cells.collect()));
         self
     }

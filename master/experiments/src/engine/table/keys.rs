@@ -1,4 +1,4 @@
-//! Keys of the runs of a table, and steps as they are typed.
+//! Keys of the runs of a table.
 
 /// Name of the automatic choice among the algorithms.
 pub const AUTO: &str = scene::Algorithm::Auto.name();
@@ -48,29 +48,5 @@ impl Keys {
         }
         keys.extend(self.typed.iter().cloned());
         keys
-    }
-}
-
-/// Reads a step as typed: a number in ms, or with a unit (`s`, `ms`, `us`, `µs`); s.
-///
-/// # Errors
-/// Texts that are no positive step.
-pub fn macro_step(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let units = [("ms", "e-3"), ("us", "e-6"), ("µs", "e-6"), ("s", "")];
-    let found = units
-        .iter()
-        .find_map(|(unit, power)| Some((text.strip_suffix(unit)?.trim(), *power)));
-    let (number, power) = found.unwrap_or((text, "e-3"));
-    // Read as one decimal number: 0.1 ms is the same as 1e-4 s, to the last bit.
-    let step = match number.parse::<f64>() {
-        Ok(plain) if number.contains(['e', 'E']) => plain * format!("1{power}").parse::<f64>().unwrap_or(f64::NAN),
-        Ok(_) => format!("{number}{power}").parse::<f64>().unwrap_or(f64::NAN),
-        Err(_) => f64::NAN,
-    };
-    if step > 0.0 && step.is_finite() {
-        Ok(step)
-    } else {
-        Err("must be a positive number in ms, or with a unit: 0.5, 0.5ms, 500us, 5e-4s".to_owned())
     }
 }

@@ -15,7 +15,7 @@ mod status;
 mod tests;
 
 pub use columns::{Column, Columns};
-pub use keys::{AUTO, Keys, macro_step};
-pub(crate) use row::{Cell, joined};
-pub use row::{RunRow, observed_orders};
+pub use keys::{AUTO, Keys};
+pub(crate) use row::joined;
+pub use row::{Cell, RunRow, observed_orders};
 pub use status::{ENERGY, LOSS, RAW_ERROR, RUNAWAY, STATUS_RULE, Status};

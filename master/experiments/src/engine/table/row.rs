@@ -11,7 +11,8 @@ use results::{RunInfo, Summary};
 use simulation::Mode;
 
 /// A value as a cell: empty where it has no meaning for the row.
-pub(crate) trait Cell {
+pub trait Cell {
+    /// Text of the cell.
     fn cell(&self) -> String;
 }
 
@@ -186,6 +187,13 @@ impl RunRow {
         self.remark(&reason);
     }
 
+    /// Takes in the energy that the coupling added, as a share of the work that crossed the contact (–).
+    pub(crate) fn judge_energy(&mut self, share: f64) {
+        if let Some(status) = self.status {
+            self.judge(status.with_energy(share));
+        }
+    }
+
     /// Takes in the elements of a line that is so divided.
     pub fn divide(&mut self, line: &Catenary, division: Division) {
         self.elements_per_span = Some(line.elements_per_span(division) as u64);
@@ -196,7 +204,7 @@ impl RunRow {
     }
 
     /// Takes in the figures and the cost of a run that has ended.
-    pub fn take(&mut self, info: &RunInfo, summary: &Summary, wall: f64, repeats: usize) {
+    pub fn take(&mut self, info: &RunInfo, summary: &Summary) {
         // Figures of a part of the evaluation range would be taken for those of the run.
         let complete = info.complete;
         let force = summary
@@ -216,9 +224,9 @@ impl RunRow {
             self.macro_steps = Some(info.cost.macro_steps);
             self.rollbacks = Some(info.cost.rollbacks);
         }
-        self.wall = Some(wall);
-        self.repeats = Some(repeats as u64);
-        self.real_time_factor = (info.cost.simulated_s > 0.0).then(|| wall / info.cost.simulated_s);
+        self.wall = Some(info.cost.wall_s);
+        self.repeats = Some(1);
+        self.real_time_factor = info.cost.real_time_factor;
         self.coordinates = Some(info.model.coordinates as u64);
         self.micro_steps = Some(info.cost.micro_steps);
         self.newton_iterations = Some(info.cost.newton_iterations);

@@ -1,8 +1,7 @@
 //! End of a run.
 
-use serde::{Deserialize, Serialize};
-
 use super::row::RunRow;
+use crate::engine::words;
 use results::curve::Errors;
 
 /// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard
@@ -26,35 +25,21 @@ pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its f
     time and 0.1 %, or its raw force is wrong by more than 100 %, or the coupling added or took more than 10 % of the \
     work that crossed the contact. refused: it cannot begin, the reason says why. stable: everything else";
 
-/// End of a run, the best first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Status {
-    /// Nothing to report.
-    Stable,
-    /// Done, but the coupling rings or bounces.
-    Limit,
-    /// Not done, or nothing like the reference.
-    Diverged,
-    /// Cannot begin.
-    Refused,
+words! {
+    /// End of a run, the best first.
+    pub enum Status {
+        /// Nothing to report.
+        Stable = "stable",
+        /// Done, but the coupling rings or bounces.
+        Limit = "limit",
+        /// Not done, or nothing like the reference.
+        Diverged = "diverged",
+        /// Cannot begin.
+        Refused = "refused",
+    }
 }
 
 impl Status {
-    /// All of them, the best first.
-    pub const ALL: [Self; 4] = [Self::Stable, Self::Limit, Self::Diverged, Self::Refused];
-
-    /// The word of the table.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Stable => "stable",
-            Self::Limit => "limit",
-            Self::Diverged => "diverged",
-            Self::Refused => "refused",
-        }
-    }
-
     /// Decides on a run that has begun.
     ///
     /// `complete` is whether it reached its end, `errors` and `reference` are what it is compared with; a reference

@@ -1,8 +1,5 @@
-use std::path::Path;
-
 use super::*;
 use crate::engine::Sheet;
-use crate::engine::export::write;
 use results::curve::Errors;
 
 /// The columns of tables that compare runs, as the command line promises them.
@@ -12,14 +9,12 @@ const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, mic
     repeats, real_time_factor, coordinates, macro_steps, micro_steps, newton_iterations, factorizations, rollbacks";
 
 fn csv(rows: &[RunRow], leading: &[Column], trailing: &[Column]) -> String {
-    let mut out = Vec::new();
     let sheet = Sheet {
         leading: leading.to_vec(),
         rows: rows.to_vec(),
         trailing: trailing.to_vec(),
     };
-    write(&mut out, Path::new("table.csv"), &sheet).unwrap();
-    String::from_utf8(out).unwrap()
+    sheet.csv().unwrap()
 }
 
 #[test]

@@ -130,13 +130,19 @@ pub fn decades_of(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
     }
 }
 
+/// Smallest and largest of these values, which are positive.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let values = values.into_iter();
+    values.fold([f64::INFINITY, 0.0], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
+
 /// Ticks at once, twice and five times the powers of ten around these values; nothing where they span two decades or
 /// more, or none is positive.
 fn ticks(values: impl IntoIterator<Item = f64>) -> Option<Vec<f64>> {
     let shown = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
-    let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
+    let [low, high] = extent(shown);
     if high <= 0.0 || high >= 100.0 * low {
         return None;
     }

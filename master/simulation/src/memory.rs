@@ -4,13 +4,14 @@ use std::fs;
 
 /// Forgets which pages of this process's memory have been touched (Linux, proc(5), `clear_refs`); whether that could be
 /// done.
-pub(super) fn forget_touched() -> bool {
+pub fn forget_touched() -> bool {
     fs::write("/proc/self/clear_refs", "1\n").is_ok()
 }
 
 /// Memory of this process in bytes that has been touched since [`forget_touched`], code and files left out; `None`
 /// where the system does not say.
-pub(super) fn touched() -> Option<u64> {
+#[must_use]
+pub fn touched() -> Option<u64> {
     touched_in(&fs::read_to_string("/proc/self/smaps").ok()?)
 }
 

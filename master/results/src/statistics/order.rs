@@ -1,22 +1,5 @@
 //! Orders of convergence from differences of successive runs: no reference takes part.
 
-use serde::Serialize;
-
-/// Order that three runs of one sweep show.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Order {
-    /// Refined quantity: `mesh` or `micro_step`.
-    pub sweep: &'static str,
-    /// Quantities that stay the same, in words.
-    pub of: String,
-    /// Elements per span or micro steps (s) of the three runs, coarse to fine.
-    pub sizes: [f64; 3],
-    /// Difference of the first two, and of the last two, % of the standard deviation.
-    pub differences: [f64; 2],
-    /// Order `p`; `None` where the differences do not fall.
-    pub order: Option<f64>,
-}
-
 /// Highest order that is looked for.
 const HIGHEST: f64 = 16.0;
 
@@ -28,7 +11,8 @@ const HIGHEST: f64 = 16.0;
 ///
 /// Derived here; with a constant ratio `h₁/h₂ = h₂/h₃ = r` it is `p = ln(d₁₂/d₂₃) / ln r`. The right side rises with
 /// `p`, so that it is halved to the root. `None` where there is none between 0 and 16.
-pub(super) fn order([h1, h2, h3]: [f64; 3], [d12, d23]: [f64; 2]) -> Option<f64> {
+#[must_use]
+pub fn order_of_convergence([h1, h2, h3]: [f64; 3], [d12, d23]: [f64; 2]) -> Option<f64> {
     let falls = h1 > h2 && h2 > h3 && h3 > 0.0;
     if !(falls && d12 > 0.0 && d23 > 0.0 && d12.is_finite() && d23.is_finite()) {
         return None;
@@ -62,7 +46,7 @@ mod tests {
         for p in [0.5, 1.0, 2.0, 3.7] {
             for sizes in [[1.0, 0.5, 0.25], [1.0, 0.7, 0.1], [2e-3, 1e-3, 2.5e-4]] {
                 let error = sizes.map(|h: f64| 3.0 * h.powf(p));
-                let found = order(sizes, [error[0] - error[1], error[1] - error[2]]).unwrap();
+                let found = order_of_convergence(sizes, [error[0] - error[1], error[1] - error[2]]).unwrap();
                 assert!((found - p).abs() < 1e-6, "{p} {sizes:?}: {found}");
             }
         }
@@ -70,9 +54,9 @@ mod tests {
 
     #[test]
     fn differences_that_do_not_fall_show_no_order() {
-        assert_eq!(order([1.0, 0.5, 0.25], [1.0, 1.0]), None);
-        assert_eq!(order([1.0, 0.5, 0.25], [0.0, 1.0]), None);
-        assert_eq!(order([1.0, 0.5, 0.5], [2.0, 1.0]), None);
-        assert_eq!(order([1.0, 0.5, 0.25], [f64::NAN, 1.0]), None);
+        assert_eq!(order_of_convergence([1.0, 0.5, 0.25], [1.0, 1.0]), None);
+        assert_eq!(order_of_convergence([1.0, 0.5, 0.25], [0.0, 1.0]), None);
+        assert_eq!(order_of_convergence([1.0, 0.5, 0.5], [2.0, 1.0]), None);
+        assert_eq!(order_of_convergence([1.0, 0.5, 0.25], [f64::NAN, 1.0]), None);
     }
 }
