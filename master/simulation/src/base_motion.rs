@@ -137,7 +137,8 @@ mod tests {
             (found, scene.run.speed)
         };
         let spectrum = "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], \
-            vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
+            vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], \
+            fade = 20.0 }";
         let points =
             "track.irregularities={ model = \"points\", x = [90.0, 110.0, 110.25], z_left = [0.0, 1e-3, 0.0] }";
         for speed in ["run.speed_kmh=40.0", "run.speed_kmh=200.0", "run.speed_kmh=300.0"] {
