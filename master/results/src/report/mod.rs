@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `html` | a self-contained page |
 //! | `rows` | tables of a page |
-//! | [`format`] | numbers and remarks in tables |
+//! | `format` | numbers and remarks in tables |
 //! | `pack` | data in the page |
 //! | `label` | names of runs on one page |
 //! | `line` | page, tables and picture of a line at rest |
