@@ -20,7 +20,7 @@ pub struct ForceCurve {
 
 impl ForceCurve {
     /// Curve of a pantograph (from 0); nothing where its force cannot be filtered.
-    pub(crate) fn of_pantograph(evaluation: &Evaluation, record: &Record, index: usize) -> Option<Self> {
+    fn of_pantograph(evaluation: &Evaluation, record: &Record, index: usize) -> Option<Self> {
         let strip = record.pantographs.get(index)?;
         Some(Self {
             x: strip.contact_x.clone(),
