@@ -190,7 +190,7 @@ fn a_count_that_no_call_has_is_refused_before_memory_is_taken_for_it() {
     let number = [0_u32];
     let mut value = 0.0;
     for count in [1_usize << 25, 1 << 40, usize::MAX] {
-        // SAFETY: the component is alive; a count that large is what is tested, and nothing behind the pointers is read.
+        // SAFETY: the component is alive; a count that large is what is tested, nothing behind the pointers is read.
         unsafe {
             let get_string = raw.function::<GetFn<fmi2String>>("fmi2GetString");
             assert_eq!(get_string(c, label.as_ptr(), count, &raw mut text), ERROR);

@@ -1,6 +1,6 @@
 //! Certainty of numbers: `{ value = 0.0125, low = 0.005, high = 0.03, mark = "chosen" }` in place of a number, or
-//! `"key.path" = { low = 0.005, high = 0.03 }` under `[ranges]`; a distribution, `{ normal = [110, 5] }`, in place of the
-//! two ends.
+//! `"key.path" = { low = 0.005, high = 0.03 }` under `[ranges]`; a distribution, `{ normal = [110, 5] }`, in place of
+//! the two ends.
 
 use crate::choice::choice;
 use crate::error::What;

@@ -66,8 +66,8 @@ const REMEDY: &str = "model.reduce = \"window\", which builds the spans around t
 pub fn notice(scene: &Scene) -> Option<String> {
     let size = Size::of(scene).filter(|size| size.bytes > LARGE[0] || size.seconds > LARGE[1])?;
     Some(format!(
-        "catenary: {} spans are built whole, {:.0} elements in {:.0} coordinates: about {:.1} GB of memory, and some {:.0} \
-         min for a run on one core; less with {REMEDY}",
+        "catenary: {} spans are built whole, {:.0} elements in {:.0} coordinates: about {:.1} GB of memory, and some \
+         {:.0} min for a run on one core; less with {REMEDY}",
         size.spans,
         size.elements,
         size.coordinates,

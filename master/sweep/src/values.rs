@@ -70,7 +70,7 @@ fn number(text: &str) -> Option<f64> {
 /// Distribution of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Distribution {
-    /// Of numbers, by two numbers: bounds, mean and standard deviation, or median of the value and standard deviation of
+    /// Numbers by two numbers: bounds, mean and standard deviation, or median of the value and standard deviation of
     /// its natural logarithm, –.
     Of(Shape, [f64; 2]),
     /// One of these, each as likely as the others.

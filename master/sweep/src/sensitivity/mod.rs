@@ -52,8 +52,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Parameters of a scene: those that it gives ranges, and `more` as `KEY=low:high` or `KEY=normal(mean, std)`, which
-    /// hold before them. The ends of a distribution are those of [`Distribution::ends`].
+    /// Parameters of a scene: those that it gives ranges, and `more` as `KEY=low:high` or `KEY=normal(mean, std)`,
+    /// which hold before them. The ends of a distribution are those of [`Distribution::ends`].
     ///
     /// # Errors
     /// A range that is none, a key without a number, a value outside its range, and a scene without any range.
