@@ -84,7 +84,7 @@ impl Distribution {
         let normal = || Normal::new(0.0, 1.0).map_or(0.0, |normal| normal.inverse_cdf(u));
         Value::Number(match self {
             Self::Of(Shape::Uniform, [from, to]) => from + u * (to - from),
-            Self::Of(Shape::LogUniform, [from, to]) => (from.ln() + u * (to.ln() - from.ln())).exp(),
+            Self::Of(Shape::LogUniform, [from, to]) => (from.ln() + u * (to.ln() - from.ln())).exp().clamp(*from, *to),
             Self::Of(Shape::Normal, [mean, std]) => mean + std * normal(),
             Self::Of(Shape::LogNormal, [median, sigma]) => median * (sigma * normal()).exp(),
             Self::Choice(values) => {
@@ -105,9 +105,12 @@ impl Distribution {
         }
     }
 
-    /// Values at [`Distribution::shares`].
+    /// Bounds of a distribution that has some, else its values at [`Distribution::shares`].
     #[must_use]
     pub fn ends(&self) -> Option<[f64; 2]> {
+        if let Self::Of(Shape::Uniform | Shape::LogUniform, bounds) = self {
+            return Some(*bounds);
+        }
         let [low, high] = self.shares()?.map(|share| self.quantile(share).number());
         Some([low?, high?])
     }
