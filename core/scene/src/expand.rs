@@ -108,7 +108,9 @@ fn lengths_of(table: &Table) -> Option<Vec<f64>> {
         Value::List(list) => list.iter().map(Node::number).collect::<Option<Vec<f64>>>()?,
         _ => vec![node.number()?; spans],
     };
-    let good = lengths.iter().all(|length| *length > 0.0 && length.is_finite());
+    let good = lengths
+        .iter()
+        .all(|length| *length > 0.0 && *length <= crate::check::LONGEST_SPAN);
     (good && lengths.len() == spans).then_some(lengths)
 }
 

@@ -482,3 +482,28 @@ fn no_table_makes_the_reader_panic() {
     let (text, supports) = (scene_with_droppers(), without_column(SUPPORTS, "droppers"));
     mutate(DROPPERS, Box::new(|csv| drop(read(&text, &supports, &csv))));
 }
+
+#[test]
+fn a_rule_that_makes_droppers_beyond_counting_is_refused_before_they_are_made() {
+    let curve = include_str!("../../../scenes/curve.toml");
+    let said = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        let files = Files::none();
+        let file = SceneFile::read(curve, "curve.toml", &overrides, &files).and_then(|file| {
+            file.check(&|_| scene::Found::new())?;
+            Ok(file.scene)
+        });
+        file.expect_err("it is refused").to_string()
+    };
+    let said_of_rule = said(&[
+        "catenary.spans=5000",
+        "catenary.span_length=50",
+        "catenary.droppers.rule.longest=0.5",
+    ]);
+    assert!(
+        said_of_rule.contains("catenary.droppers.rule.longest = 0.5 m: must be at least 2.5 m"),
+        "{said_of_rule}"
+    );
+    let said_of_span = said(&["catenary.span_length=1e13"]);
+    assert!(said_of_span.contains("catenary.span_length"), "{said_of_span}");
+}

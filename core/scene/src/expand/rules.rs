@@ -11,6 +11,8 @@ use crate::write::{shown, shown_number};
 const LARGEST_RATIO: f64 = 0.02;
 /// Shortest distance that a rule may have, m: what droppers need at least between each other.
 const SHORTEST: f64 = 0.1;
+/// Most droppers that a rule makes: far more than a line of the most spans has.
+const MOST: f64 = 1e5;
 const DROPPERS: &str = "catenary.droppers";
 
 /// Writes out the rules of a line.
@@ -300,6 +302,20 @@ fn rule(line: &mut Table, found: &mut Vec<Wrong>) {
                 rule.at,
                 format!("{key}.first"),
                 shown_number(rule.first, "m"),
+                expected,
+            ));
+            return;
+        }
+        let total: f64 = lengths.iter().sum();
+        if total / rule.longest > MOST {
+            let expected = format!(
+                "must be at least {} m: these are more than {MOST} droppers",
+                total / MOST
+            );
+            found.push(wrong(
+                rule.at,
+                format!("{key}.longest"),
+                shown_number(rule.longest, "m"),
                 expected,
             ));
             return;
