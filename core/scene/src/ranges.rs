@@ -62,10 +62,10 @@ const KEYS: [&str; 8] = [
     "value",
     "low",
     "high",
-    "uniform",
-    "log_uniform",
-    "normal",
-    "lognormal",
+    Shape::Uniform.name(),
+    Shape::LogUniform.name(),
+    Shape::Normal.name(),
+    Shape::LogNormal.name(),
     "mark",
 ];
 

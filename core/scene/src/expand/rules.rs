@@ -293,18 +293,16 @@ fn rule(line: &mut Table, found: &mut Vec<Wrong>) {
             continue;
         };
         let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut refuse = |name: &str, length: f64, expected: String| {
+            let key = format!("{key}.{name}");
+            found.push(wrong(rule.at, key, shown_number(length, "m"), expected));
+        };
         if 2.0 * rule.first > shortest {
             let expected = format!(
                 "must be at most {} m, half of the shortest span of {path}",
                 0.5 * shortest
             );
-            found.push(wrong(
-                rule.at,
-                format!("{key}.first"),
-                shown_number(rule.first, "m"),
-                expected,
-            ));
-            return;
+            return refuse("first", rule.first, expected);
         }
         let total: f64 = lengths.iter().sum();
         if total / rule.longest > MOST {
@@ -312,13 +310,7 @@ fn rule(line: &mut Table, found: &mut Vec<Wrong>) {
                 "must be at least {} m: these are more than {MOST} droppers",
                 total / MOST
             );
-            found.push(wrong(
-                rule.at,
-                format!("{key}.longest"),
-                shown_number(rule.longest, "m"),
-                expected,
-            ));
-            return;
+            return refuse("longest", rule.longest, expected);
         }
         let list = rule.positions(&lengths);
         if single {
