@@ -247,6 +247,10 @@ impl<R: Read> Receiver<R> {
             if received.len() >= needed && received.len() >= 4 {
                 break needed;
             }
+            // One that comes byte by byte as well.
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                return Err(ErrorKind::TimedOut.into());
+            }
             if self.begin + needed > self.buffer.len() || self.begin == self.end {
                 self.buffer.copy_within(self.begin..self.end, 0);
                 (self.begin, self.end) = (0, self.end - self.begin);
@@ -262,21 +266,9 @@ impl<R: Read> Receiver<R> {
                     if deadline.is_some() && matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
                 Err(error) => return Err(error),
             }
-            // One that comes byte by byte as well.
-            if deadline.is_some_and(|deadline| Instant::now() >= deadline) && self.is_incomplete() {
-                return Err(ErrorKind::TimedOut.into());
-            }
         };
         let content = self.begin + 4..self.begin + length;
         self.begin = content.end;
         Ok(Some(content))
-    }
-
-    /// `true` where what is received holds no whole frame.
-    fn is_incomplete(&self) -> bool {
-        let received = &self.buffer[self.begin..self.end];
-        received
-            .split_first_chunk::<4>()
-            .is_none_or(|(length, rest)| rest.len() < u32::from_le_bytes(*length) as usize)
     }
 }
