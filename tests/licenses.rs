@@ -134,7 +134,7 @@ fn the_licences_in_the_archives_are_those_of_the_crates_linked_in() {
         std::fs::write(&path, &expected).unwrap();
     }
     let present = std::fs::read_to_string(&path).unwrap_or_default();
-    let update = "`UPDATE_LICENSES=1 cargo test --release -p integration-tests --test licenses` writes it anew";
+    let update = "`UPDATE_LICENSES=1 cargo test --release -p integration-tests --test all licenses` writes it anew";
     for (line, (new, old)) in expected.lines().zip(present.lines()).enumerate() {
         assert_eq!(old, new, "{}, line {}: {update}", path.display(), line + 1);
     }

@@ -138,7 +138,7 @@ fn pictures_in_the_documents_are_those_of_the_scenes() {
         }
         let committed = fs::read_to_string(&path).unwrap_or_default();
         let ((new, around), (old, around_old)) = (numbers(&picture), numbers(&committed));
-        let advice = "UPDATE_PICTURES=1 cargo test --release -p integration-tests --test line_pages writes it anew";
+        let advice = "UPDATE_PICTURES=1 cargo test --release -p integration-tests --test all line_pages writes it anew";
         let differs = |(a, b): (&f64, &f64)| (a - b).abs() > 2.0;
         // Coordinates are whole; another processor may round them to the other side.
         let same = new.len() == old.len() && around.len() == around_old.len() && !new.iter().zip(&old).any(differs);

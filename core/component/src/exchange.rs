@@ -60,6 +60,7 @@ group! {
         WIND_DRAG: "wind.drag" ["N"], "Drag of the wind on the body of the strip, along the air that meets it";
         WIND_LIFT: "wind.lift" ["N"],
             "Lift of the wind on the body of the strip, across the air that meets it, positive upward";
+        CONTROL: "control.force" ["N"], "Force of the controlled drive of the pantograph, of which each strip has an equal part";
     }
 
     /// Number of values of a motion.
@@ -218,7 +219,7 @@ mod tests {
     fn counts_and_components_follow_from_the_order_of_the_rows() {
         assert_eq!(
             (strip::MOTION, strip::OUTPUTS, contact::COUNT, load::COUNT),
-            (7, 10, 22, 4)
+            (7, 11, 22, 4)
         );
         assert_eq!(contact::SAMPLE_COUNT, 10);
         assert_eq!([strip::VX, strip::VY, strip::VZ], [3, 4, 5]);

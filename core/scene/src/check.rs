@@ -78,6 +78,7 @@ impl Scene {
         self.check_wind(&mut found);
         self.check_assessment(&mut found);
         self.check_measurement(&mut found);
+        self.check_control(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);

@@ -41,6 +41,7 @@ mod check_overlap;
 mod check_vehicle;
 mod choice;
 mod contact;
+mod control;
 mod coupling;
 mod csv;
 mod curve;
@@ -82,6 +83,7 @@ pub use assessment::{Assessment, EDITIONS, LimitBound, LimitRow, LimitedQuantity
 pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds, WireKind};
 pub use check::Found;
 pub use contact::{Contact, ContactLaw};
+pub use control::{Actuator, Control, ControlLaw, Sensors};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use curve::{Curve, Direction, millimetres_up};
 pub use division::Division;

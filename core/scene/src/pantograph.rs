@@ -2,7 +2,7 @@
 
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, Sentences, placeholder};
-use crate::{HeadPitch, HeadStrip, Linkage, Supplied};
+use crate::{Control, HeadPitch, HeadStrip, Linkage, Supplied};
 
 /// `[[pantograph]]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Pantograph {
     pub start: Option<Start>,
     /// The state of each strip of a head with several at t = 0; empty where nothing is known, or one strip is all.
     pub strip_starts: Vec<Start>,
+    /// Controller and drive; none is a pantograph that is raised by a constant force.
+    pub control: Option<Control>,
 }
 
 /// `pantograph.model`, or `pantograph.fmu`.
@@ -132,6 +134,7 @@ impl From<PantographModel> for Pantograph {
             model,
             start: None,
             strip_starts: Vec::new(),
+            control: None,
         }
     }
 }
@@ -178,6 +181,10 @@ impl Entry for Pantograph {
         (
             "strip_start",
             "State of each strip of a head with several at t = 0; the program writes it into resolved scenes.",
+        ),
+        (
+            "control",
+            "Controller and drive that act while the pantograph runs; left out, it is raised by a constant force.",
         ),
     ];
 
@@ -242,6 +249,7 @@ impl Entry for Pantograph {
             model,
             start: keys.optional_inline_table("start", was.map(|pantograph| pantograph.start.as_ref())),
             strip_starts: keys.any_tables("strip_start", was.map(|pantograph| pantograph.strip_starts.as_slice())),
+            control: keys.optional_inline_table("control", was.map(|pantograph| pantograph.control.as_ref())),
         }
     }
 }
@@ -264,6 +272,7 @@ impl Pantograph {
         keys.word_among("model", None, &KINDS, &[], None);
         let start = keys.optional_inline_table("start", None);
         let strip_starts = keys.any_tables("strip_start", None);
+        let control = keys.optional_inline_table("control", None);
         let lumped = keys.only("`model = \"lumped\"`", |keys| keys.part(None));
         keys.only("`model = \"linkage\"`", |keys| keys.part::<Linkage>(None));
         keys.only("`fmu`", |keys| Supplied::pantograph(keys, None));
@@ -272,6 +281,7 @@ impl Pantograph {
             model: PantographModel::Lumped(lumped),
             start,
             strip_starts,
+            control,
         }
     }
 }

@@ -6,6 +6,7 @@ mod whole;
 use catenary::{
     CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, WireName, scene_line, strip_contact,
 };
+use control::{Channel, ControllerState};
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,10 @@ pub struct OneSystem {
     supports: Vec<usize>,
     audit: Option<Audit>,
     repetition: Option<Box<Checkpoint>>,
+    /// Controllers of pantographs.
+    channels: Vec<Channel>,
+    /// Pantograph (from 0) of each controller.
+    controlled: Vec<usize>,
     unrepeated: u64,
     /// Sum of the amounts of work that crossed the contacts, step by step, J.
     crossed: f64,
@@ -150,6 +155,20 @@ impl OneSystem {
             )
         });
         let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
+        let mut channels = Vec::new();
+        let mut controlled = Vec::new();
+        for (index, pantograph) in pantographs.iter_mut().enumerate() {
+            let start = scene.strips_of(index).map(|strip| alone.force(strip)).sum();
+            let channel = pantograph.controlled(scene, index, start, inputs + channels.len());
+            let channel = channel.map_err(|source| OneSystemError::Pantograph {
+                pantograph: index + 1,
+                source,
+            })?;
+            if let Some(channel) = channel {
+                channels.push(channel);
+                controlled.push(index);
+            }
+        }
         let mut state = layout.state_at_rest();
         let settled = alone.q();
         state.q[..settled.len()].copy_from_slice(settled);
@@ -180,7 +199,7 @@ impl OneSystem {
         let mut simulator = Simulator::new(
             whole,
             state,
-            vec![0.0; inputs],
+            vec![0.0; inputs + channels.len()],
             solver.micro_step,
             solver.rho_inf,
             solver.newton_options(),
@@ -195,6 +214,8 @@ impl OneSystem {
             supports: supports.to_vec(),
             audit: None,
             repetition: None,
+            channels,
+            controlled,
             unrepeated: 0,
             crossed: 0.0,
         })
@@ -369,15 +390,18 @@ impl OneSystem {
         let first = self.repeat_ahead(t, h)?;
         let supports = &self.supports;
         let crossed = &mut self.crossed;
-        let mut steps = 0.0;
-        let count = self.simulator.micro_steps(h) as f64;
-        self.simulator
-            .advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
+        let controlled = &self.controlled;
+        control::advance(
+            &mut self.simulator,
+            &mut self.channels,
+            (t, h),
+            &mut |_, _| {},
+            &mut |whole, motion, lambda, k, reading| whole.read_instruments(&motion, lambda, controlled[k], reading),
+            &mut |whole, (motion, lambda, _, end)| {
                 whole.turn_to(time_shares::MASTER);
-                steps += 1.0;
                 let [previous, present] = points;
                 present.from = previous.t;
-                present.t = if steps == count { t + h } else { t + steps * dt };
+                present.t = end;
                 whole.slackening.step(whole.line.elongations());
                 whole.read((&motion, lambda), supports, present);
                 straighten(previous, present);
@@ -385,7 +409,8 @@ impl OneSystem {
                 see(previous, present);
                 points.swap(0, 1);
                 whole.step_done();
-            })?;
+            },
+        )?;
         self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
         if let Some(audit) = &mut self.audit {
             self.simulator.balance(&mut audit.balance, h);
@@ -397,14 +422,36 @@ impl OneSystem {
 
     /// Makes the step to come and takes it back, where that was asked for; returns what it led to.
     fn repeat_ahead(&mut self, t: f64, h: f64) -> Result<Option<State>, StepError> {
-        let Some(checkpoint) = &mut self.repetition else {
+        let Some(mut checkpoint) = self.repetition.take() else {
             return Ok(None);
         };
-        self.simulator.save(checkpoint);
-        self.simulator.advance(t, h, &mut |_, _| {}, &mut |_, _, _, _| {})?;
+        self.simulator.save(&mut checkpoint);
+        let controllers: Vec<_> = self.controllers().collect();
+        let controlled = &self.controlled;
+        control::advance(
+            &mut self.simulator,
+            &mut self.channels,
+            (t, h),
+            &mut |_, _| {},
+            &mut |whole, motion, lambda, k, reading| whole.read_instruments(&motion, lambda, controlled[k], reading),
+            &mut |_, _| {},
+        )?;
         let state = self.simulator.state().clone();
-        self.simulator.restore(checkpoint)?;
+        self.simulator.restore(&checkpoint)?;
+        self.repetition = Some(checkpoint);
+        self.set_controllers(&controllers);
         Ok(Some(state))
+    }
+
+    /// States of the controllers.
+    fn controllers(&self) -> impl Iterator<Item = ControllerState> {
+        self.channels.iter().map(|channel| channel.controller.state())
+    }
+
+    fn set_controllers(&mut self, states: &[ControllerState]) {
+        for (channel, state) in self.channels.iter_mut().zip(states) {
+            channel.controller.set_state(*state);
+        }
     }
 
     /// Work done by the solver.

@@ -149,6 +149,12 @@ pub enum VehicleError {
         /// Iterations done.
         iterations: usize,
     },
+    /// A model without a point that a drive could act on.
+    #[error("pantograph.control: a linkage reduced to one motion has no drive; leave \"linkage\" out of model.reduce")]
+    NoDrive,
+    /// A regulator without gains.
+    #[error("pantograph.control: {0}")]
+    NoGains(#[from] control::NoGains),
     /// The accelerations at the start are not determined.
     #[error("the pantograph cannot start: {0}")]
     Start(#[from] dynamics::StepError),

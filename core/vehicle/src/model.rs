@@ -4,6 +4,7 @@ use crate::multibody::AppliedForce;
 use crate::pantograph::{self, BaseDisplacement, Equilibrium, Linkage, Pantograph, Target};
 use crate::rail_vehicle::Vehicle;
 use crate::{Air, Base, Displaced, VehicleError};
+use control::{Channel, Controller, Reading};
 use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, PartVisitor, State};
 use nalgebra::Vector3;
 use scene::{PantographModel as Entry, Scene};
@@ -62,6 +63,8 @@ pub struct PantographModel {
     alone: Option<Box<(Vehicle, Layout)>>,
     placement: Placement,
     base: Base,
+    /// Input that drives it.
+    drive: Option<usize>,
 }
 
 impl PantographModel {
@@ -91,6 +94,7 @@ impl PantographModel {
             alone,
             placement,
             base,
+            drive: None,
         })
     }
 
@@ -385,6 +389,45 @@ impl PantographModel {
     /// prepared before the start.
     pub fn set_uplift_force(&mut self, force: f64) -> bool {
         self.pantograph.set_uplift_force(force)
+    }
+
+    /// Controller of pantograph `index` (from 0) of a scene, if there is one, whose force is the input `input` of the
+    /// pantograph from now on; `start` is the contact force at the start, N.
+    ///
+    /// # Errors
+    /// [`VehicleError::NoDrive`], [`VehicleError::NoGains`].
+    pub fn controlled(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        start: f64,
+        input: usize,
+    ) -> Result<Option<Channel>, VehicleError> {
+        let pantograph = &scene.pantographs[index];
+        let Some(control) = &pantograph.control else {
+            return Ok(None);
+        };
+        let lumped = match &pantograph.model {
+            Entry::Lumped(lumped) => Some(lumped),
+            _ => None,
+        };
+        if !self.pantograph.drive_by(control.actuator.mass, input) {
+            return Err(VehicleError::NoDrive);
+        }
+        self.drive = Some(input);
+        let controller = Controller::new(control, lumped, self.static_force(), start)?;
+        Ok(Some(Channel { controller, input }))
+    }
+
+    /// Reads the motion of the pantograph for its controller.
+    pub fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
+        self.pantograph.read(motion, reading);
+    }
+
+    /// Force of the controlled drive, N; 0 without one.
+    #[must_use]
+    pub fn drive_force(&self, motion: &Motion<'_>) -> f64 {
+        self.drive.map_or(0.0, |input| motion.u[input])
     }
 
     /// Contact force at rest in the reference position, N.

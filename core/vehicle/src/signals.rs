@@ -3,7 +3,7 @@ use crate::{AppliedForce, Checkpoint, INPUTS, Subsystem, VehicleError};
 use component::exchange::{load, strip};
 use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, StepFailure};
 use dynamics::StepError;
-use scene::{PantographModel, Scene};
+use scene::{ControlLaw, PantographModel, Scene};
 
 mod head;
 mod vehicle;
@@ -102,7 +102,23 @@ static STRIP: [SignalEntry<Subsystem>; strip::OUTPUTS] = [
     SignalEntry::output(strip::SIGNALS[strip::WORK], |side, strip| side.work(strip)),
     SignalEntry::output(strip::SIGNALS[strip::WIND_DRAG], |side, _| side.wind_on_strip()[0]),
     SignalEntry::output(strip::SIGNALS[strip::WIND_LIFT], |side, _| side.wind_on_strip()[1]),
+    SignalEntry::output(strip::SIGNALS[strip::CONTROL], |side, _| side.drive_force()),
 ];
+
+/// Command of a controller whose commands are given; it holds until the next one.
+static COMMAND: [SignalEntry<Subsystem>; 1] = [SignalEntry {
+    declared: DeclaredSignal::real(
+        "control.force",
+        "N",
+        "Force that the drive is to exert, taken at its next sample",
+    ),
+    access: Access::Input {
+        start: |_, _| 0.0,
+        get: |side: &Subsystem, _, _| side.given_command(),
+        set: |side, _, _, value| side.give_command(value),
+        set_derivative: |_, _, _, _, _| {},
+    },
+}];
 
 /// Signals of the pantograph below the strip.
 static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
@@ -116,8 +132,9 @@ static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
     ),
 ];
 
-/// Signals of a pantograph with this many strips on a vehicle with this many wheels, or on none.
-fn groups(strips: usize, wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
+/// Signals of a pantograph with this many strips on a vehicle with this many wheels, or on none; with commands from
+/// outside or without.
+fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [SignalGroup<Subsystem>; 8] {
     let group = |name, entries, members| SignalGroup {
         name,
         entries,
@@ -128,6 +145,7 @@ fn groups(strips: usize, wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
     [
         group(Some(load::GROUP), &LOAD[..], strips),
         group(None, &WIND[..], 1),
+        group(None, &COMMAND[..], usize::from(takes_commands)),
         group(Some(strip::GROUP), &STRIP[..], strips),
         group(None, &PANTOGRAPH[..], 1),
         base,
@@ -139,7 +157,7 @@ fn groups(strips: usize, wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
 impl Component for Subsystem {
     type Checkpoint = Checkpoint;
     type Error = VehicleError;
-    type Groups = [SignalGroup<Self>; 7];
+    type Groups = [SignalGroup<Self>; 8];
 
     const IDENTIFIER: &'static str = "Pantograph";
     const DESCRIPTION: &'static str =
@@ -147,12 +165,15 @@ impl Component for Subsystem {
 
     fn groups_of(scene: &Scene) -> Self::Groups {
         let strips = scene.pantographs[0].strips().len();
-        groups(strips, scene.vehicle.is_some().then(|| vehicle::wheel_count(scene)))
+        let control = scene.pantographs[0].control.as_ref();
+        let takes_commands = control.is_some_and(|control| control.law == ControlLaw::Given);
+        let wheels = scene.vehicle.is_some().then(|| vehicle::wheel_count(scene));
+        groups(strips, wheels, takes_commands)
     }
 
     fn groups(&self) -> Self::Groups {
         // A pantograph without vehicle ends before the groups of the vehicle.
-        groups(self.strips(), Some(self.wheels()))
+        groups(self.strips(), Some(self.wheels()), self.takes_commands())
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {

@@ -1,6 +1,7 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
 use crate::{AppliedForce, PantographModel, Vehicle, VehicleError, WIND_INPUTS};
+use control::{Channel, ControllerState};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
@@ -59,12 +60,15 @@ pub struct Checkpoint {
     inputs: Vec<FollowedInput>,
     reached: Vec<f64>,
     work: Vec<f64>,
+    controllers: Vec<ControllerState>,
 }
 
 /// One pantograph of a scene.
 pub struct Subsystem {
     simulator: Simulator<Model>,
     inputs: Vec<FollowedInput>,
+    /// Controller of the pantograph, where it has one; its force is the last input.
+    controllers: Vec<Channel>,
     /// Inputs at the end of the last step; inputs set since then jump.
     reached: Vec<f64>,
     /// Work done by the contact on each strip since the start, J.
@@ -102,7 +106,10 @@ impl Subsystem {
         for (inputs, force) in inputs.chunks_exact_mut(AppliedForce::INPUTS).zip(&forces) {
             inputs[2].set(-force);
         }
-        let u: Vec<f64> = inputs.iter().map(FollowedInput::value).collect();
+        let mut u: Vec<f64> = inputs.iter().map(FollowedInput::value).collect();
+        let controller = pantograph.controlled(scene, index, forces.iter().sum(), u.len())?;
+        let controllers: Vec<Channel> = controller.into_iter().collect();
+        u.resize(u.len() + controllers.len(), 0.0);
         let at_rest = pantograph.is_balanced(&rest, &forces, AT_REST);
         let model = Model {
             layout,
@@ -124,6 +131,7 @@ impl Subsystem {
         Ok(Self {
             simulator,
             inputs,
+            controllers,
             reached,
             work: vec![0.0; strips],
             power: vec![(0.0, 0.0); strips],
@@ -165,6 +173,7 @@ impl Subsystem {
         let mut u = std::mem::take(&mut self.values);
         u.clear();
         u.extend(self.inputs.iter().map(FollowedInput::value));
+        u.extend_from_slice(&self.simulator.inputs()[self.inputs.len()..]);
         self.simulator.set_inputs(&u);
         self.values = u;
     }
@@ -190,16 +199,24 @@ impl Subsystem {
         for (strip, (last, work)) in self.power.iter_mut().enumerate() {
             (*last, *work) = (power(&model.contacts[strip], &motion), 0.0);
         }
-        let (inputs, powers) = (&self.inputs, &mut self.power);
-        self.simulator.advance(
-            t,
-            h,
+        let (inputs, powers, reached) = (&self.inputs, &mut self.power, &self.reached);
+        control::advance(
+            &mut self.simulator,
+            &mut self.controllers,
+            (t, h),
             &mut |tau, u| {
                 for (value, input) in u.iter_mut().zip(inputs) {
                     *value = input.at(tau);
                 }
             },
-            &mut |model, motion, _, dt| {
+            &mut |model, motion, _, _, reading| {
+                model.pantograph.read(&motion, reading);
+                // At the start of the step the instruments have felt the last one.
+                let u = if motion.t > t { motion.u } else { reached };
+                let forces = model.contacts.iter().map(|contact| u[contact.first + 2]);
+                reading.force = -forces.sum::<f64>();
+            },
+            &mut |model, (motion, _, dt, _)| {
                 for ((last, work), contact) in powers.iter_mut().zip(&model.contacts) {
                     let now = power(contact, &motion);
                     *work += 0.5 * dt * (*last + now);
@@ -318,6 +335,35 @@ impl Subsystem {
         self.work[strip]
     }
 
+    /// Force of the controlled drive now, N, of which each strip has an equal part; 0 without one.
+    pub fn drive_force(&mut self) -> f64 {
+        let strips = self.strips() as f64;
+        let (pantograph, motion) = self.pantograph();
+        pantograph.drive_force(&motion) / strips
+    }
+
+    /// Sets the command of a controller whose commands are given, N.
+    pub fn give_command(&mut self, command: f64) {
+        for channel in &mut self.controllers {
+            channel.controller.give(command);
+        }
+    }
+
+    /// Command that was given, N.
+    #[must_use]
+    pub fn given_command(&self) -> f64 {
+        let controller = self.controllers.first();
+        controller.map_or(0.0, |channel| channel.controller.given())
+    }
+
+    /// True where commands come from outside.
+    #[must_use]
+    pub fn takes_commands(&self) -> bool {
+        self.controllers
+            .iter()
+            .any(|channel| channel.controller.takes_commands())
+    }
+
     /// Number of generalised coordinates.
     #[must_use]
     pub fn coordinates(&self) -> usize {
@@ -343,6 +389,9 @@ impl Subsystem {
         checkpoint.inputs.extend_from_slice(&self.inputs);
         checkpoint.reached.clone_from(&self.reached);
         checkpoint.work.clone_from(&self.work);
+        checkpoint.controllers.clear();
+        let states = self.controllers.iter().map(|channel| channel.controller.state());
+        checkpoint.controllers.extend(states);
     }
 
     /// Restores a checkpoint.
@@ -354,6 +403,9 @@ impl Subsystem {
         self.inputs.copy_from_slice(&checkpoint.inputs);
         self.reached.clone_from(&checkpoint.reached);
         self.work.clone_from(&checkpoint.work);
+        for (channel, state) in self.controllers.iter_mut().zip(&checkpoint.controllers) {
+            channel.controller.set_state(*state);
+        }
         Ok(())
     }
 }

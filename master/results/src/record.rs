@@ -40,6 +40,8 @@ pub struct StripRecord {
     pub gap: Vec<f64>,
     /// The wind on the body of the strip; nothing where no wind acts on the pantograph.
     pub wind: Option<WindRecord>,
+    /// Force of the controlled drive of the pantograph, N; nothing where nothing is controlled.
+    pub control: Option<Vec<f64>>,
     /// Contact point along the strip from its middle, m; not in the file, notes say it where it matters.
     pub aside: Vec<f64>,
     /// Strips of a head with several; empty for one.
@@ -169,6 +171,7 @@ impl StripRecord {
             strip_vz,
             gap,
             wind: None,
+            control: None,
             aside: Vec::new(),
             strips: Vec::new(),
         }
@@ -205,7 +208,7 @@ fn declared(name: &str) -> (&'static str, String) {
     })
 }
 
-/// Number of series of a pantograph besides the wind.
+/// Number of series of a pantograph besides the wind and its drive.
 pub(super) const COLUMNS: usize = 7;
 
 /// Names of the series of strip `i` (from 1, over all heads) in the order of the time series file.
@@ -226,6 +229,11 @@ pub(super) fn strip_names(i: usize) -> [String; COLUMNS] {
 /// Names of the series of the wind on the head of pantograph `i` (from 1), which is that of its one strip.
 pub(super) fn wind_names(i: usize) -> [String; 2] {
     [strip::WIND_DRAG, strip::WIND_LIFT].map(|index| strip::SIGNALS[index].of(strip::GROUP, i))
+}
+
+/// Name of the series of the drive of pantograph `i` (from 1).
+pub(super) fn control_name(i: usize) -> String {
+    strip::SIGNALS[strip::CONTROL].of("pantograph", i)
 }
 
 /// Name of the series of support `number` (from 1).
@@ -256,6 +264,9 @@ impl Record {
                 let [drag, lift] = wind_names(i + 1);
                 columns.extend([(drag, &wind.drag), (lift, &wind.lift)]);
             }
+        }
+        for (i, pantograph) in self.pantographs.iter().enumerate() {
+            columns.extend(pantograph.control.as_ref().map(|force| (control_name(i + 1), force)));
         }
         columns
     }

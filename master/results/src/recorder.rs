@@ -43,6 +43,7 @@ impl Recorder {
             strip_vz: column(),
             gap: column(),
             wind: None,
+            control: None,
             aside: column(),
             strips: Vec::new(),
         };
@@ -106,6 +107,16 @@ impl Recorder {
         self
     }
 
+    /// Records the force of the drives of these pantographs (from 0) too.
+    #[must_use]
+    pub fn with_control(mut self, pantographs: impl IntoIterator<Item = usize>) -> Self {
+        let rows = self.rows;
+        for index in pantographs {
+            self.record.pantographs[index].control = Some(Vec::with_capacity(rows));
+        }
+        self
+    }
+
     /// The record.
     #[must_use]
     pub fn finish(self) -> Record {
@@ -134,7 +145,14 @@ impl Recorder {
             }
         };
         let mut number = 0..;
+        let mut first = 0;
         for pantograph in &mut self.record.pantographs {
+            let strips = first..first + pantograph.strips.len().max(1);
+            first = strips.end;
+            if let Some(control) = &mut pantograph.control {
+                let value = |i: usize| linear(start.strip(i)[strip::CONTROL], end.strip(i)[strip::CONTROL]);
+                control.push(strips.map(value).sum());
+            }
             if pantograph.strips.is_empty() {
                 push(pantograph, number.next().unwrap_or_default());
                 continue;

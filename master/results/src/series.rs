@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::record::{COLUMNS, strip_names, support_name, wind_names};
+use super::record::{COLUMNS, control_name, strip_names, support_name, wind_names};
 use super::{Record, ResultsError, StripRecord, SupportRecord, WindRecord, head};
 
 /// Writes the series of `record` as CSV to `out`; `path` is named in errors.
@@ -87,7 +87,8 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
     }
     record.time = columns.next().unwrap_or_default();
     let mut at = 1;
-    let behind = |name: &String| name.starts_with("support[") || name.contains("].wind.");
+    let after_supports = |name: &String| name.contains("].wind.") || name.contains("].control.");
+    let behind = |name: &String| name.starts_with("support[") || after_supports(name);
     let several = names.get(at) == Some(&head::names(1)[0]);
     let mut number = 0;
     while names.get(at).is_some_and(|name| !behind(name)) {
@@ -117,10 +118,7 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
             pantograph.strips.clear();
         }
     }
-    let winds = names
-        .iter()
-        .position(|name| name.contains("].wind."))
-        .unwrap_or(names.len());
+    let winds = names.iter().position(after_supports).unwrap_or(names.len());
     for (name, uplift) in names[at..winds].iter().zip(&mut columns) {
         let number = name
             .split(['[', ']'])
@@ -137,6 +135,12 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
             let [drag, lift] = std::array::from_fn(|_| columns.next().unwrap_or_default());
             pantograph.wind = Some(WindRecord { drag, lift });
             at += expected.len();
+        }
+    }
+    for (i, pantograph) in record.pantographs.iter_mut().enumerate() {
+        if names.get(at) == Some(&control_name(i + 1)) {
+            pantograph.control = columns.next();
+            at += 1;
         }
     }
     if at < names.len() {

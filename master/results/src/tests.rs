@@ -22,6 +22,7 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
         strip_vz: vec![0.02; time.len()],
         gap: vec![-0.001; time.len()],
         wind: None,
+        control: None,
         aside: Vec::new(),
         strips: Vec::new(),
     };

@@ -321,6 +321,9 @@ impl Prepared {
                 let own = !matches!(self.scene.pantographs[index].model, scene::PantographModel::Supplied(_));
                 own && vehicle::Air::of_scene(&self.scene, index).is_some()
             }))
+            .with_control(
+                (0..self.scene.pantographs.len()).filter(|&index| self.scene.pantographs[index].control.is_some()),
+            )
     }
 
     fn run_coupled<E: From<SetupError>>(

@@ -27,6 +27,8 @@ pub struct Simulator<S> {
     integrator: GeneralizedAlpha,
     micro_step: f64,
     u: Vec<f64>,
+    /// Room for inputs before a jump.
+    before: Vec<f64>,
     mass: Option<SparseMatrix>,
 }
 
@@ -38,6 +40,7 @@ impl<S: System> Simulator<S> {
             state,
             integrator: GeneralizedAlpha::new(rho_inf, options),
             micro_step,
+            before: Vec::new(),
             u,
             mass: None,
         }
@@ -63,6 +66,11 @@ impl<S: System> Simulator<S> {
     /// The model and its present motion.
     pub fn parts(&mut self) -> (&mut S, crate::Motion<'_>) {
         (&mut self.system, self.state.motion(&self.u))
+    }
+
+    /// The model, its present motion and the multipliers.
+    pub fn parts_with_multipliers(&mut self) -> (&mut S, crate::Motion<'_>, &[f64]) {
+        (&mut self.system, self.state.motion(&self.u), &self.state.lambda)
     }
 
     /// Goes to the static equilibrium with the present inputs.
@@ -110,6 +118,19 @@ impl<S: System> Simulator<S> {
         let dt = h / self.micro_steps(h) as f64;
         self.integrator
             .jump(&mut self.system, &mut self.state, before, &self.u, dt)
+    }
+
+    /// Lets `change` make the inputs jump at the start of a step of `h` s, as [`Simulator::jump`] does.
+    ///
+    /// # Errors
+    /// See [`GeneralizedAlpha::jump`].
+    pub fn jump_by(&mut self, change: &mut dyn FnMut(&mut [f64]), h: f64) -> Result<(), StepError> {
+        let mut before = std::mem::take(&mut self.before);
+        before.clone_from(&self.u);
+        change(&mut self.u);
+        let result = self.jump(&before, h);
+        self.before = before;
+        result
     }
 
     /// Number of equal internal steps within a communication step of `h` s: a rest of rounding makes no extra step.

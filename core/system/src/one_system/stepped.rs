@@ -6,8 +6,9 @@ use std::mem::swap;
 use catenary::StaticLine;
 use component::Point;
 use component::exchange::{contact, strip, support};
+use control::ControllerState;
 use dynamics::{Checkpoint, StepError};
-use scene::Scene;
+use scene::{ControlLaw, Scene};
 use serde::{Deserialize, Serialize};
 use vehicle::{Air, WIND_INPUTS};
 
@@ -30,7 +31,7 @@ const CONTACT: [usize; 8] = [
 ];
 
 /// Outputs of a strip that one system has, in the order of names.
-const STRIP: [usize; 9] = [
+const STRIP: [usize; 10] = [
     strip::X,
     strip::Y,
     strip::Z,
@@ -40,6 +41,7 @@ const STRIP: [usize; 9] = [
     strip::ROLL,
     strip::WIND_DRAG,
     strip::WIND_LIFT,
+    strip::CONTROL,
 ];
 
 /// Place of a signal's value.
@@ -53,6 +55,8 @@ enum At {
     Uplift(usize),
     /// Index of an input of the system.
     Input(usize),
+    /// Command of a controller, from 0.
+    Command(usize),
 }
 
 /// A signal of one system.
@@ -102,6 +106,7 @@ pub struct SteppedState {
     /// Outputs of line and strips.
     outputs: [Vec<f64>; 2],
     uplift: Vec<f64>,
+    controllers: Vec<ControllerState>,
     simulator: Checkpoint,
 }
 
@@ -154,6 +159,17 @@ fn signals(scene: &Scene, settable: &[bool], supports: &[usize]) -> Vec<SteppedS
             settable,
             at: At::Uplift(i),
         });
+        let controls = scene.pantographs[..i].iter().filter(|own| own.control.is_some());
+        let control = scene.pantographs[i].control.as_ref();
+        if control.is_some_and(|control| control.law == ControlLaw::Given) {
+            signals.push(SteppedSignal {
+                name: format!("{PANTOGRAPH}[{}].control.force", i + 1),
+                unit: "N",
+                description: "Force that the drive is to exert, taken at its next sample".to_owned(),
+                settable: true,
+                at: At::Command(controls.count()),
+            });
+        }
         if Air::of_scene(scene, i).is_none() {
             continue;
         }
@@ -255,6 +271,7 @@ impl SteppedSystem {
             At::Strip(index) => self.points[0].strips[index],
             At::Uplift(index) => simulator.system.pantographs[index].uplift_force(),
             At::Input(index) => simulator.inputs()[index],
+            At::Command(index) => self.whole.channels[index].controller.given(),
         }
     }
 
@@ -275,6 +292,7 @@ impl SteppedSystem {
                 inputs[index] = value;
                 simulator.set_inputs(&inputs);
             }
+            At::Command(index) => self.whole.channels[index].controller.give(value),
             At::Line(_) | At::Strip(_) => {}
         }
     }
@@ -289,6 +307,8 @@ impl SteppedSystem {
         let forces = simulator.system.pantographs.iter();
         state.uplift.extend(forces.map(vehicle::PantographModel::uplift_force));
         simulator.save(&mut state.simulator);
+        state.controllers.clear();
+        state.controllers.extend(self.whole.controllers());
     }
 
     /// Goes back, or on, to a kept state.
@@ -307,6 +327,7 @@ impl SteppedSystem {
         simulator.restore(&state.simulator)?;
         let whole = &mut simulator.system;
         whole.slackening.restart(whole.line.elongations());
+        self.whole.set_controllers(&state.controllers);
         let point = &mut self.points[0];
         (point.t, point.from) = (state.t, state.t);
         point.line.clone_from(&state.outputs[0]);

@@ -4,6 +4,8 @@ use catenary::{ContactTotal, OnWire, OverheadLine, Slackening, StripContact, ado
 use dynamics::{Constraint, Continuity, Force, Layout, Motion, PartVisitor, Stage, State, System};
 use vehicle::PantographModel;
 
+use control::Reading;
+
 use component::Point;
 use component::exchange::{contact, strip};
 
@@ -115,6 +117,17 @@ impl Whole {
         }
     }
 
+    /// Reads the instruments of pantograph `head` (from 0).
+    pub fn read_instruments(&self, motion: &Motion<'_>, lambda: &[f64], head: usize, reading: &mut Reading) {
+        self.pantographs[head].read(motion, reading);
+        let contacts = self.contacts.chunks_exact(self.line.contact_wires());
+        let on_head = contacts.zip(&self.heads).filter(|(_, (of, _))| *of == head);
+        let pressed = on_head.filter_map(|(contacts, _)| {
+            ContactTotal::of(contacts.iter().filter_map(|contact| contact.state(motion, lambda)))
+        });
+        reading.force = pressed.map(|total| -total.on_strip.z).sum();
+    }
+
     /// Writes what is exchanged between the two sides; the supports of these numbers (from 1) are read out.
     pub fn read(&self, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usize], point: &mut Point) {
         let contacts = self.contacts.chunks_exact(self.line.contact_wires());
@@ -130,6 +143,7 @@ impl Whole {
             [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = self.pantographs[head]
                 .wind_on_head(motion)
                 .map(|force| force / strips as f64);
+            values[strip::CONTROL] = self.pantographs[head].drive_force(motion) / strips as f64;
             let states = contacts.iter().filter_map(|contact| contact.state(motion, lambda));
             let total = ContactTotal::of(states);
             let on_strip = total.map(|total| total.on_strip);

@@ -28,6 +28,6 @@ pub use body::{BodyMarker, Pose, RigidBody};
 pub use bushing::Bushing;
 pub(crate) use bushing::Rates;
 pub(crate) use characteristic::Characteristic;
-pub(crate) use dead_force::DeadForce;
+pub(crate) use dead_force::{DeadForce, DriveForce};
 pub use joint::Joint;
 pub(crate) use measure::{Measure, Pair, add_square};

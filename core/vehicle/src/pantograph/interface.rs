@@ -7,6 +7,7 @@ use crate::base_motion::BaseMotion;
 use crate::error::Irreducible;
 use crate::rail_vehicle::Load;
 use crate::{Base, Placement, VehicleError};
+use control::Reading;
 use dynamics::{Constraint, Force, Layout, Marker, Motion, PartVisitor};
 use nalgebra::Vector3;
 use scene::PantographModel as Entry;
@@ -101,6 +102,18 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
     fn set_uplift_force(&mut self, force: f64) -> bool {
         let _ = force;
         false
+    }
+
+    /// Lets an input drive the pantograph, N: on mass `mass` (from 1) of a chain, the last one where none is named, or
+    /// where the raising force of a linkage acts; `false` for a model without such a point.
+    fn drive_by(&mut self, mass: Option<usize>, input: usize) -> bool {
+        let _ = (mass, input);
+        false
+    }
+
+    /// Reads the motion of the pantograph for its controller.
+    fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
+        let _ = (motion, reading);
     }
 
     /// Contact force at rest in the reference position, N.

@@ -6,10 +6,11 @@ use super::air::{Air, AirForces, AirMarker, points_of};
 use super::base_mount::{BaseDisplacement, BaseMount};
 use super::equilibrium::{Equilibrium, Offsets, Target};
 use super::interface::Pantograph;
-use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
+use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, DriveForce, Joint, RigidBody};
 use crate::rail_vehicle::{CurveInertia, Load};
 use crate::{Base, Travel, Travelling, VehicleError};
 use builder::Builder;
+use control::Reading;
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Layout, Marker, Motion, PartVisitor};
@@ -33,6 +34,7 @@ pub struct Linkage {
     joints: Vec<Joint>,
     suspension: AxialSpring,
     uplift: DeadForce,
+    drive: Option<DriveForce>,
     strip: BodyMarker,
     /// Orientations of the bodies in the reference position.
     orientations: Vec<UnitQuaternion<f64>>,
@@ -108,6 +110,7 @@ impl Linkage {
         Ok(Self {
             suspension: builder.suspension()?,
             uplift: builder.uplift()?,
+            drive: None,
             strip: builder.strip()?,
             orientations: builder.orientations,
             joints,
@@ -217,6 +220,9 @@ impl Pantograph for Linkage {
         }
         visit("pantograph", &mut self.suspension);
         visit("pantograph", &mut self.uplift);
+        if let Some(drive) = &mut self.drive {
+            visit("pantograph", drive);
+        }
         for air in self.air.as_mut_slice() {
             visit("wind_pantograph", air);
         }
@@ -332,6 +338,15 @@ impl Pantograph for Linkage {
     fn set_uplift_force(&mut self, force: f64) -> bool {
         self.uplift.force.z = force;
         true
+    }
+
+    fn drive_by(&mut self, _: Option<usize>, input: usize) -> bool {
+        self.drive = Some(DriveForce::new(self.uplift.marker, input));
+        true
+    }
+
+    fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
+        reading.driven = self.drive.as_ref().map_or(0.0, |drive| drive.velocity(motion));
     }
 
     fn static_force(&self) -> f64 {

@@ -8,8 +8,9 @@ use super::base_mount::{BaseDisplacement, BaseMount};
 use super::equilibrium::{Equilibrium, Offsets, Target};
 use super::interface::Pantograph;
 use crate::{Base, Travel, Travelling, VehicleError};
+use chain::{ChainDrive, ChainMasses, Foot};
 pub(super) use chain::{ChainElement, ChainInertia};
-use chain::{ChainMasses, Foot};
+use control::Reading;
 use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
 use head::{Head, HeadAtRest};
 pub(super) use marker::HeadMarker;
@@ -34,6 +35,7 @@ pub(crate) struct Lumped {
     head: Head,
     /// Contact force at rest at the reference height, N.
     reference_force: f64,
+    drive: Option<ChainDrive>,
     /// Uplift of the air on the strip.
     air: AirForces,
     /// Inertia on a base in a curve; no part of statics.
@@ -87,6 +89,7 @@ impl Lumped {
             elements,
             head,
             reference_force,
+            drive: None,
             air: AirForces::default(),
             inertia: None,
         })
@@ -252,6 +255,9 @@ impl Pantograph for Lumped {
             visit("pantograph", element);
         }
         self.head.forces(&mut |force| visit("pantograph", force));
+        if let Some(drive) = &mut self.drive {
+            visit("pantograph", drive);
+        }
         for air in self.air.as_mut_slice() {
             visit("wind_pantograph", air);
         }
@@ -362,6 +368,26 @@ impl Pantograph for Lumped {
             foot.lift = force;
         }
         true
+    }
+
+    fn drive_by(&mut self, mass: Option<usize>, input: usize) -> bool {
+        let masses = &self.masses;
+        let last = masses.masses.len() - 1;
+        self.drive = Some(ChainDrive {
+            coordinate: masses.first + mass.map_or(last, |mass| mass - 1),
+            input,
+            foot: self.elements.last().and_then(|element| element.foot.clone()),
+        });
+        true
+    }
+
+    fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
+        let masses = self.masses.first..self.masses.first + self.masses.masses.len();
+        reading.rises.clear();
+        reading.rises.extend_from_slice(&motion.q[masses.clone()]);
+        reading.velocities.clear();
+        reading.velocities.extend_from_slice(&motion.v[masses]);
+        reading.driven = self.drive.as_ref().map_or(0.0, |drive| motion.v[drive.coordinate]);
     }
 
     fn static_force(&self) -> f64 {

@@ -64,6 +64,7 @@ pub fn render(runs: &[RunBundle]) -> String {
     page.section("Animation", &animation::section(&runs));
     page.section("Heights and uplift", &(figures.heights + &details::heights(&runs)));
     page.section("Wind on the collector head", &figures.wind);
+    page.section("Drive of the pantograph", &figures.control);
     page.section("Frequencies", &(figures.distribution + &details::bands(&runs)));
     page.section("Droppers", &details::droppers(&runs));
     page.section("Limits", &sections::limits(&runs));

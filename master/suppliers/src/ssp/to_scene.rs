@@ -46,6 +46,7 @@ impl Foreign {
                 model: PantographModel::Supplied(side),
                 start: None,
                 strip_starts: Vec::new(),
+                control: None,
             })
             .collect();
         scene.run.initialise = scene::Initialise::AsGiven;

@@ -36,6 +36,51 @@ impl Force for ChainMasses {
     }
 }
 
+/// Vertical force of a drive between a mass of a chain and its base, as the input `u[input]`, N.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChainDrive {
+    /// Coordinate of the driven mass.
+    pub coordinate: usize,
+    /// Index in the inputs.
+    pub input: usize,
+    /// Moving base that bears the reaction.
+    pub foot: Option<Foot>,
+}
+
+impl Force for ChainDrive {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        let drive = motion.u[self.input];
+        force[self.coordinate] += drive;
+        if let Some(foot) = &self.foot {
+            let mut columns = Columns::default();
+            foot.pair.second.columns(motion, &mut columns);
+            columns.add_force(&Vector3::new(0.0, 0.0, -drive), &Vector3::zeros(), force);
+        }
+    }
+
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        let Some(foot) = &self.foot else { return };
+        // The foot turns with its body.
+        let view = foot.pair.view(motion);
+        let (indices, bend) = (view.indices(), view.hessian(Foot::RISE));
+        let load = weights.q * motion.u[self.input];
+        for (k, &of) in indices.iter().enumerate() {
+            for (l, &by) in indices.iter().enumerate() {
+                blocks.add(&[of], &[by], &[load * bend[(k, l)]]);
+            }
+        }
+    }
+
+    /// The drive brings in all of its power.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let base = self.foot.as_ref().map_or(0.0, |foot| foot.rise(motion).1);
+        Some(Power {
+            driven: motion.u[self.input] * (motion.v[self.coordinate] - base),
+            dissipated: 0.0,
+        })
+    }
+}
+
 /// Inertia of the masses of a chain on a base in a curve: along the chain, perpendicular to the plane of the rails.
 ///
 /// ```text

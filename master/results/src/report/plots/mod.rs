@@ -287,6 +287,8 @@ pub(super) struct Figures {
     pub heights: String,
     /// Wind on the heads.
     pub wind: String,
+    /// Force of controlled drives.
+    pub control: String,
     /// Spectrum and histogram.
     pub distribution: String,
 }
@@ -311,6 +313,7 @@ impl Figures {
             measured: series::measured(&curves),
             heights: series::heights(&curves) + &series::uplift(runs),
             wind: series::wind(&curves),
+            control: series::control(&curves),
             distribution: pair,
         }
     }

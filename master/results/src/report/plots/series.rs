@@ -342,3 +342,19 @@ pub(super) fn wind(curves: &[Curve]) -> String {
         "On the body that carries the strip: drag along the air that meets it, lift across it, positive upward.",
     )
 }
+
+/// Force of controlled drives; empty where there is none.
+pub(super) fn control(curves: &[Curve]) -> String {
+    let mut traces = Vec::new();
+    for (i, c) in curves.iter().enumerate() {
+        let Some(force) = &c.strip.control else { continue };
+        let time = rounded(&c.run.record.time, 1e4);
+        traces.push(curve(time, rounded(force, 1e2), &c.label, colour(i), 1.4));
+    }
+    figure(
+        traces,
+        layout(axis("time [s]").zero_line(false), axis("force of the drive [N]")),
+        ("plot-control", 320),
+        "Force of the drive that the controller commands, positive upward, beside the constant raising force.",
+    )
+}

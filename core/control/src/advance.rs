@@ -1,0 +1,80 @@
+//! Time steps of a system with controllers.
+
+use dynamics::{Motion, Simulator, StepError, System};
+
+use crate::controller::{Controller, Reading};
+
+/// A controller and the input of the system that its force is.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Controller.
+    pub controller: Controller,
+    /// Index in the inputs.
+    pub input: usize,
+}
+
+/// Internal step that has ended: motion, multipliers, length and end, s.
+type Ended<'a> = (Motion<'a>, &'a [f64], f64, f64);
+
+/// Advances a system with controllers from `t` to `t + h`, s, from event to event.
+///
+/// `inputs_at(τ, u)` writes the other inputs at `t + τ`; `read(system, motion, lambda, k, reading)` reads the
+/// instruments of controller `k`; `after` sees each internal step at its end. A force that jumps is taken into the
+/// accelerations, see [`Simulator::jump`].
+///
+/// # Errors
+/// See [`StepError`]; the caller restores the state that it saved before.
+pub fn advance<S: System>(
+    simulator: &mut Simulator<S>,
+    channels: &mut [Channel],
+    (t, h): (f64, f64),
+    inputs_at: &mut dyn FnMut(f64, &mut [f64]),
+    read: &mut dyn FnMut(&mut S, Motion<'_>, &[f64], usize, &mut Reading),
+    after: &mut dyn FnMut(&mut S, Ended<'_>),
+) -> Result<(), StepError> {
+    let end = t + h;
+    let mut from = t;
+    while from < end {
+        let mut to = end;
+        let mut jumped = false;
+        for (k, channel) in channels.iter_mut().enumerate() {
+            let (system, motion, lambda) = simulator.parts_with_multipliers();
+            jumped |= channel
+                .controller
+                .act(from, &mut |reading| read(system, motion, lambda, k, reading));
+            let event = channel.controller.next_event(from);
+            // An event at the end belongs to the step that follows.
+            if event < to * (1.0 - 1e-12) - 1e-12 {
+                to = event;
+            }
+        }
+        if jumped {
+            let forces = &mut |u: &mut [f64]| {
+                for channel in &*channels {
+                    u[channel.input] = channel.controller.force(from);
+                }
+            };
+            simulator.jump_by(forces, to - from)?;
+        }
+        let count = simulator.micro_steps(to - from) as f64;
+        let mut steps = 0.0;
+        let channels = &*channels;
+        simulator.advance(
+            from,
+            to - from,
+            &mut |tau, u| {
+                inputs_at(from - t + tau, u);
+                for channel in channels {
+                    u[channel.input] = channel.controller.force(from + tau);
+                }
+            },
+            &mut |system, motion, lambda, dt| {
+                steps += 1.0;
+                let reached = if steps == count { to } else { from + steps * dt };
+                after(system, (motion, lambda, dt, reached));
+            },
+        )?;
+        from = to;
+    }
+    Ok(())
+}

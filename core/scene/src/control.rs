@@ -1,0 +1,425 @@
+//! `pantograph.control`: a drive of the pantograph that a controller commands while it runs.
+
+use crate::check::{Found, refuse};
+use crate::keys::{Entry, Keys, Number, Sentences};
+use crate::write::shown_number;
+use crate::{PantographModel, Scene};
+
+/// `pantograph.control`: sampled controller, sensors and actuator of one pantograph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Control {
+    /// Rule of the commands.
+    pub law: ControlLaw,
+    /// Time between two samples, s.
+    pub sample_time: f64,
+    /// Desired contact force, N; `None` is the force at the start.
+    pub force: Option<f64>,
+    /// Drive that acts on the pantograph.
+    pub actuator: Actuator,
+    /// Instruments that the controller sees the pantograph through.
+    pub sensors: Sensors,
+}
+
+/// `control.law`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ControlLaw {
+    /// `"pid"`: from the difference between desired and measured contact force.
+    Pid {
+        /// Proportional gain, –.
+        kp: f64,
+        /// Integral gain, 1/s.
+        ki: f64,
+        /// Derivative gain, s.
+        kd: f64,
+        /// Time constant of the filter of the derivative, s.
+        derivative_lag: f64,
+    },
+    /// `"lqr"`: linear-quadratic feedback of the state of the lumped pantograph.
+    Lqr {
+        /// Weight of the squared deviation of the contact force, –.
+        force_weight: f64,
+        /// Weight of the squared velocity of the driven mass, N²/(m/s)².
+        velocity_weight: f64,
+        /// Weight of the squared force of the actuator, –.
+        effort_weight: f64,
+        /// Stiffness of the contact wire that the gains are made for, N/m.
+        wire_stiffness: f64,
+    },
+    /// `"skyhook"`: a damper between the driven point and the sky.
+    Skyhook {
+        /// N·s/m.
+        damping: f64,
+    },
+    /// `"given"`: commands come from outside, through the input `control.force`.
+    Given,
+}
+
+/// `control.actuator`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuator {
+    /// Mass of a lumped pantograph that the force acts on, from 1; `None` is the last one. A linkage is driven where
+    /// its raising force acts.
+    pub mass: Option<usize>,
+    /// Largest command, N; `None` is no limit.
+    pub limit: Option<f64>,
+    /// Fastest change of the force, N/s; `None` is no limit.
+    pub rate_limit: Option<f64>,
+    /// Time constant of the force behind the command, s.
+    pub lag: f64,
+    /// Time from a command to its effect, s.
+    pub delay: f64,
+}
+
+/// `control.sensors`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors {
+    /// Time from a motion to the reading of it, s.
+    pub delay: f64,
+    /// Standard deviation of the noise of measured contact forces, N.
+    pub force_noise: f64,
+    /// Standard deviation of the noise of measured velocities, m/s.
+    pub velocity_noise: f64,
+    /// Standard deviation of the noise of measured positions, m.
+    pub position_noise: f64,
+    /// Seed of the noise.
+    pub seed: usize,
+}
+
+/// The words of `law`.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Pid,
+    Lqr,
+    Skyhook,
+    Given,
+}
+
+const KINDS: [(&str, Kind); 4] = [
+    ("pid", Kind::Pid),
+    ("lqr", Kind::Lqr),
+    ("skyhook", Kind::Skyhook),
+    ("given", Kind::Given),
+];
+
+impl ControlLaw {
+    fn kind(self) -> Kind {
+        match self {
+            Self::Pid { .. } => Kind::Pid,
+            Self::Lqr { .. } => Kind::Lqr,
+            Self::Skyhook { .. } => Kind::Skyhook,
+            Self::Given => Kind::Given,
+        }
+    }
+
+    /// Word of the law in the scene file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        let found = KINDS.iter().find(|(_, kind)| *kind == self.kind());
+        found.map_or("", |(name, _)| name)
+    }
+
+    fn entry(kind: Kind, keys: &mut Keys, was: Option<Self>) -> Self {
+        let of = |choose: fn(Self) -> Option<f64>| was.and_then(choose);
+        match kind {
+            Kind::Pid => {
+                let mut gain = |name, was, unit| keys.number(name, was, Number::not_negative(unit).default(0.0));
+                Self::Pid {
+                    kp: gain("kp", of(|law| law.pid(0)), "–"),
+                    ki: gain("ki", of(|law| law.pid(1)), "1/s"),
+                    kd: gain("kd", of(|law| law.pid(2)), "s"),
+                    derivative_lag: gain("derivative_lag", of(|law| law.pid(3)), "s"),
+                }
+            }
+            Kind::Lqr => Self::Lqr {
+                force_weight: keys.number(
+                    "force_weight",
+                    of(|law| law.lqr(0)),
+                    Number::not_negative("–").default(1.0),
+                ),
+                velocity_weight: keys.number(
+                    "velocity_weight",
+                    of(|law| law.lqr(1)),
+                    Number::not_negative("N²s²/m²").default(0.0),
+                ),
+                effort_weight: keys.number("effort_weight", of(|law| law.lqr(2)), Number::positive("–")),
+                wire_stiffness: keys.number("wire_stiffness", of(|law| law.lqr(3)), Number::positive("N/m")),
+            },
+            Kind::Skyhook => {
+                let damping = |law| match law {
+                    Self::Skyhook { damping } => Some(damping),
+                    _ => None,
+                };
+                Self::Skyhook {
+                    damping: keys.number("damping", of(damping), Number::positive("N s/m")),
+                }
+            }
+            Kind::Given => Self::Given,
+        }
+    }
+
+    /// Number `index` of `"pid"`.
+    fn pid(self, index: usize) -> Option<f64> {
+        match self {
+            Self::Pid {
+                kp,
+                ki,
+                kd,
+                derivative_lag,
+            } => Some([kp, ki, kd, derivative_lag][index]),
+            _ => None,
+        }
+    }
+
+    /// Number `index` of `"lqr"`.
+    fn lqr(self, index: usize) -> Option<f64> {
+        match self {
+            Self::Lqr {
+                force_weight,
+                velocity_weight,
+                effort_weight,
+                wire_stiffness,
+            } => Some([force_weight, velocity_weight, effort_weight, wire_stiffness][index]),
+            _ => None,
+        }
+    }
+}
+
+impl Entry for Control {
+    const SENTENCES: Sentences = &[
+        (
+            "law",
+            "Rule of the commands: PID on the contact force, linear-quadratic feedback of a lumped pantograph, a damper \
+             to the sky, or commands given from outside.",
+        ),
+        ("sample_time", "Time between two samples of the controller."),
+        (
+            "force",
+            "Desired contact force; that at the start where it is left out.",
+        ),
+        ("kp", "Proportional gain, force of the actuator per contact force."),
+        ("ki", "Integral gain."),
+        ("kd", "Derivative gain."),
+        ("derivative_lag", "Time constant of the filter of the derivative."),
+        ("force_weight", "Weight of the squared deviation of the contact force."),
+        ("velocity_weight", "Weight of the squared velocity of the driven mass."),
+        ("effort_weight", "Weight of the squared force of the actuator."),
+        (
+            "wire_stiffness",
+            "Stiffness of the contact wire that the gains are made for, that of the middle of a span say.",
+        ),
+        ("damping", "Damper between the driven point and the sky."),
+        ("actuator", "Drive that acts on the pantograph."),
+        (
+            "sensors",
+            "Instruments that the controller sees the pantograph through.",
+        ),
+    ];
+
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let law = was.map(|control| control.law);
+        let sample_time = keys.number(
+            "sample_time",
+            was.map(|control| control.sample_time),
+            Number::positive("s"),
+        );
+        let force = keys.optional_number("force", was.map(|control| control.force), Number::positive("N"));
+        let actuator = keys.optional_inline_table("actuator", was.map(|control| Some(&control.actuator)));
+        let sensors = keys.optional_inline_table("sensors", was.map(|control| Some(&control.sensors)));
+        let kind = keys.word_among("law", law.map(ControlLaw::kind), &KINDS, &[], None);
+        let law = if keys.describes() {
+            for (name, kind) in KINDS {
+                keys.only(&format!("`law = \"{name}\"`"), |keys| {
+                    ControlLaw::entry(kind, keys, None)
+                });
+            }
+            ControlLaw::Given
+        } else {
+            if kind.is_none() {
+                keys.abandon();
+            }
+            kind.map_or(ControlLaw::Given, |kind| ControlLaw::entry(kind, keys, law))
+        };
+        Self {
+            law,
+            sample_time,
+            force,
+            actuator: actuator.unwrap_or_default(),
+            sensors: sensors.unwrap_or_default(),
+        }
+    }
+}
+
+impl Default for Actuator {
+    /// A drive of the last mass without limits that follows its commands at once.
+    fn default() -> Self {
+        Self {
+            mass: None,
+            limit: None,
+            rate_limit: None,
+            lag: 0.0,
+            delay: 0.0,
+        }
+    }
+}
+
+impl Entry for Actuator {
+    const SENTENCES: Sentences = &[
+        (
+            "mass",
+            "Mass of a lumped pantograph that the force acts on, from 1; the last one where it is left out. A linkage \
+             is driven where its raising force acts.",
+        ),
+        ("limit", "Largest command; none where it is left out."),
+        ("rate_limit", "Fastest change of the force; none where it is left out."),
+        ("lag", "Time constant of the force behind the command."),
+        ("delay", "Time from a command to its effect."),
+    ];
+
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let mass = was.and_then(|actuator| actuator.mass);
+        let mut time = |name, was| keys.number(name, was, Number::not_negative("s").default(0.0));
+        let lag = time("lag", was.map(|actuator| actuator.lag));
+        let delay = time("delay", was.map(|actuator| actuator.delay));
+        Self {
+            mass: keys
+                .has("mass", mass.is_some())
+                .then(|| keys.count("mass", mass, 1..=1000, None)),
+            limit: keys.optional_number("limit", was.map(|actuator| actuator.limit), Number::positive("N")),
+            rate_limit: keys.optional_number(
+                "rate_limit",
+                was.map(|actuator| actuator.rate_limit),
+                Number::positive("N/s"),
+            ),
+            lag,
+            delay,
+        }
+    }
+}
+
+impl Default for Sensors {
+    /// Instruments without delay and noise.
+    fn default() -> Self {
+        Self {
+            delay: 0.0,
+            force_noise: 0.0,
+            velocity_noise: 0.0,
+            position_noise: 0.0,
+            seed: 1,
+        }
+    }
+}
+
+impl Entry for Sensors {
+    const SENTENCES: Sentences = &[
+        ("delay", "Time from a motion to the reading of it."),
+        (
+            "force_noise",
+            "Standard deviation of the noise of measured contact forces.",
+        ),
+        (
+            "velocity_noise",
+            "Standard deviation of the noise of measured velocities.",
+        ),
+        (
+            "position_noise",
+            "Standard deviation of the noise of measured positions.",
+        ),
+        ("seed", "Seed of the noise."),
+    ];
+
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let mut number = |name, was, unit| keys.number(name, was, Number::not_negative(unit).default(0.0));
+        Self {
+            delay: number("delay", was.map(|sensors| sensors.delay), "s"),
+            force_noise: number("force_noise", was.map(|sensors| sensors.force_noise), "N"),
+            velocity_noise: number("velocity_noise", was.map(|sensors| sensors.velocity_noise), "m/s"),
+            position_noise: number("position_noise", was.map(|sensors| sensors.position_noise), "m"),
+            seed: keys.count("seed", was.map(|sensors| sensors.seed), 0..=usize::MAX >> 1, Some(1)),
+        }
+    }
+}
+
+impl Scene {
+    /// Checks controllers against the pantographs that they command, and against the steps of the run.
+    pub(crate) fn check_control(&self, found: &mut Found) {
+        for (index, pantograph) in self.pantographs.iter().enumerate() {
+            let Some(control) = &pantograph.control else { continue };
+            let path = format!("pantograph[{}].control", index + 1);
+            match &pantograph.model {
+                PantographModel::Lumped(lumped) => control.check_lumped(lumped, &path, found),
+                PantographModel::Linkage(_) => control.check_linkage(&path, found),
+                PantographModel::Supplied(_) => {
+                    let expected = "must be left out: fmu is given, which has a drive of its own or none";
+                    refuse(found, &path, format!("law \"{}\"", control.law.name()), expected);
+                }
+            }
+            control.check_times(self.solver.micro_step, &path, found);
+        }
+    }
+}
+
+impl Control {
+    fn check_lumped(&self, lumped: &crate::Lumped, path: &str, found: &mut Found) {
+        let masses = lumped.masses.len();
+        if let Some(mass) = self.actuator.mass.filter(|&mass| mass > masses) {
+            let expected = format!("must be at most {masses}, the number of masses");
+            refuse(found, format!("{path}.actuator.mass"), mass.to_string(), expected);
+        }
+        if matches!(self.law, ControlLaw::Lqr { .. }) && !lumped.strips.is_empty() {
+            let expected = "must be \"pid\", \"skyhook\" or \"given\" on a head with strips of its own: the gains of \
+                            \"lqr\" are those of a plain chain of masses";
+            refuse(found, format!("{path}.law"), "\"lqr\"", expected);
+        }
+    }
+
+    fn check_linkage(&self, path: &str, found: &mut Found) {
+        if let Some(mass) = self.actuator.mass {
+            let expected = "must be left out: a linkage is driven where its raising force acts";
+            refuse(found, format!("{path}.actuator.mass"), mass.to_string(), expected);
+        }
+        if matches!(self.law, ControlLaw::Lqr { .. }) {
+            let expected = "must be \"pid\", \"skyhook\" or \"given\" with model = \"linkage\": the gains of \"lqr\" \
+                            are those of a lumped pantograph";
+            refuse(found, format!("{path}.law"), "\"lqr\"", expected);
+        }
+    }
+
+    fn check_times(&self, micro_step: f64, path: &str, found: &mut Found) {
+        let sample = self.sample_time;
+        if sample < micro_step * (1.0 - 1e-9) {
+            let expected = format!("must be at least solver.micro_step = {micro_step} s: motion is known step by step");
+            refuse(
+                found,
+                format!("{path}.sample_time"),
+                shown_number(sample, "s"),
+                expected,
+            );
+        }
+        let delay = self.sensors.delay + self.actuator.delay;
+        if delay > sample * (1.0 + 1e-9) {
+            let key = if self.actuator.delay >= self.sensors.delay {
+                "actuator"
+            } else {
+                "sensors"
+            };
+            let value = self.sensors.delay.max(self.actuator.delay);
+            let expected = format!(
+                "must, with the delay of the other side, be at most sample_time = {sample} s: a command takes effect \
+                 before the next one"
+            );
+            let key = format!("{path}.{key}.delay");
+            refuse(found, key, shown_number(value, "s"), expected);
+        }
+        if self.law
+            == (ControlLaw::Pid {
+                kp: 0.0,
+                ki: 0.0,
+                kd: 0.0,
+                derivative_lag: 0.0,
+            })
+        {
+            let expected = "must be given with at least one of kp, ki and kd above 0, or control be left out";
+            refuse(found, format!("{path}.law"), "\"pid\"", expected);
+        }
+    }
+}
