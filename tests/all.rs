@@ -2,6 +2,7 @@
 
 mod analytical;
 mod beam_line;
+mod control;
 mod corrections;
 mod cosim_vs_monolithic;
 mod cost_shares;

@@ -6,6 +6,7 @@ mod accuracy;
 pub mod base_motion;
 pub mod check;
 pub mod check_page;
+mod controlled;
 mod error;
 pub mod identity;
 pub mod latency;
@@ -542,6 +543,7 @@ impl Prepared {
                 .chain(outcome.notes)
                 .chain(sliding_joint::remarks(scene, &record))
                 .chain(strip_overrun::remarks(scene, &record))
+                .chain(controlled::remarks(scene, &record))
                 .collect(),
         };
         let failure = outcome

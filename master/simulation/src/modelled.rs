@@ -4,7 +4,7 @@ use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, Lumped, PantographModel, Reduction, Start};
 
 use crate::Prepared;
-use crate::{accuracy, mesh, rest_position, sliding_joint};
+use crate::{accuracy, controlled, mesh, rest_position, sliding_joint};
 use results::{Model, Part};
 use suppliers::settling::{self, Settling};
 
@@ -63,6 +63,16 @@ impl Prepared {
                 window.map_or_else(String::new, |window| format!("; {}", around(window)))
             ),
         };
+        let mut parts = vec![
+            part("catenary", true, line),
+            part("pantograph", true, kinds.join("; ")),
+            vehicle(scene),
+            wheel_rail(scene, steady),
+            track::track(scene, &bases),
+            wind_part("wind_pantograph", wind_on_pantograph(scene)),
+            wind_part("wind_wires", wind_on_wires(scene)),
+        ];
+        parts.extend(controlled::part(scene));
         Model {
             coordinates,
             constraints,
@@ -73,15 +83,7 @@ impl Prepared {
                 .iter()
                 .map(|reduction| reduction.name().to_owned())
                 .collect(),
-            parts: vec![
-                part("catenary", true, line),
-                part("pantograph", true, kinds.join("; ")),
-                vehicle(scene),
-                wheel_rail(scene, steady),
-                track::track(scene, &bases),
-                wind_part("wind_pantograph", wind_on_pantograph(scene)),
-                wind_part("wind_wires", wind_on_wires(scene)),
-            ],
+            parts,
         }
     }
 
@@ -99,6 +101,8 @@ impl Prepared {
         notes.extend(mesh::expected_error(&self.scene, step));
         notes.extend(accuracy::remark(&self.scene));
         notes.extend(rest_position::warnings(self));
+        let (span, _) = crate::evaluated_spans(&self.scene);
+        notes.extend(controlled::foreseen(&self.scene, self.statics.as_deref(), span));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(

@@ -1,0 +1,179 @@
+//! Controllers of pantographs in words: what they do, how stable they are, what their drives did.
+
+use std::fmt::Write as _;
+
+use catenary::StaticLine;
+use control::SampledLoop;
+use results::{Part, Record};
+use scene::{Control, ControlLaw, PantographModel, Scene};
+
+/// Part of the limit from which on a drive is at it.
+const AT_LIMIT: f64 = 0.999;
+
+/// Part of the time at its limit from which on a drive does not follow its controller.
+const MOSTLY: f64 = 0.5;
+
+/// Delays beyond those of the scene, in samples, below which a loop is close to instability.
+const CLOSE: f64 = 1.0;
+
+/// Every controlled pantograph (from 0) with its controller.
+fn all(scene: &Scene) -> impl Iterator<Item = (usize, &Control)> {
+    let pantographs = scene.pantographs.iter().enumerate();
+    pantographs.filter_map(|(index, pantograph)| Some((index, pantograph.control.as_ref()?)))
+}
+
+/// The controllers as a part of the model; none where nothing is controlled.
+pub(crate) fn part(scene: &Scene) -> Option<Part> {
+    let described: Vec<String> = all(scene)
+        .map(|(index, control)| format!("pantograph {}: {}", index + 1, described(control)))
+        .collect();
+    (!described.is_empty()).then(|| Part {
+        part: "control".to_owned(),
+        modelled: true,
+        reason: described.join("; "),
+    })
+}
+
+fn described(control: &Control) -> String {
+    let rule = match control.law {
+        ControlLaw::Pid { .. } => "PID on the contact force",
+        ControlLaw::Lqr { .. } => "linear-quadratic regulator",
+        ControlLaw::Skyhook { .. } => "skyhook damper",
+        ControlLaw::Given => "commands from outside",
+    };
+    let actuator = &control.actuator;
+    let place = actuator
+        .mass
+        .map_or_else(String::new, |mass| format!(" on mass {mass}"));
+    let mut text = format!("{rule} every {} ms; drive{place}", 1e3 * control.sample_time);
+    let delay = control.sensors.delay + actuator.delay;
+    // Writing into a String does not fail.
+    for (name, value) in [("lag", actuator.lag), ("delay", delay)] {
+        if value > 0.0 {
+            let _ = write!(text, ", {name} {} ms", 1e3 * value);
+        }
+    }
+    for (value, unit) in [(actuator.limit, "N"), (actuator.rate_limit, "N/s")] {
+        if let Some(value) = value {
+            let _ = write!(text, ", at most {value} {unit}");
+        }
+    }
+    text
+}
+
+/// Remarks on the stability of the loops by linear theory: the pantograph without friction and stops on a wire of the
+/// static stiffness at the first support and in the middle of the evaluated span `span` (from 1).
+pub(crate) fn foreseen(scene: &Scene, statics: Option<&StaticLine>, span: usize) -> Vec<String> {
+    let mut controls = all(scene).peekable();
+    let (Some(_), Some(line)) = (controls.peek(), statics) else {
+        return Vec::new();
+    };
+    let Some((catenary, _)) = scene.modelled_line() else {
+        return Vec::new();
+    };
+    let (left, right) = (catenary.support_x(span - 1), catenary.support_x(span));
+    let Ok(elasticity) = line.elasticity(&[left, 0.5 * (left + right)]) else {
+        return Vec::new();
+    };
+    let stiffnesses = elasticity.iter().map(|point| 1.0 / point.elasticity);
+    let ends = stiffnesses.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], stiffness| {
+        [least.min(stiffness), most.max(stiffness)]
+    });
+    controls
+        .filter_map(|(index, control)| remark(scene, index, control, ends))
+        .collect()
+}
+
+fn remark(scene: &Scene, index: usize, control: &Control, stiffnesses: [f64; 2]) -> Option<String> {
+    let PantographModel::Lumped(lumped) = &scene.pantographs[index].model else {
+        return None;
+    };
+    if control.law == ControlLaw::Given {
+        return None;
+    }
+    let margins = stiffnesses.map(|stiffness| {
+        let found = SampledLoop::new(control, lumped, stiffness).ok();
+        found.map(|found| (found.spectral_radius(), found.delay_margin(), stiffness))
+    });
+    let worst = margins.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let least = margins.into_iter().flatten().map(|(_, margin, _)| margin);
+    let least = least.fold(f64::INFINITY, f64::min);
+    let delay = control.sensors.delay + control.actuator.delay;
+    let path = format!("pantograph[{}].control", index + 1);
+    let (radius, _, stiffness) = worst;
+    if radius >= 1.0 {
+        return Some(format!(
+            "{path}: the loop is unstable by linear theory on a wire of {stiffness:.0} N/m, the static stiffness of \
+             the line: a motion grows by {:.1} % from sample to sample; smaller gains, shorter delays or a shorter \
+             sample_time make it stable",
+            100.0 * (radius - 1.0)
+        ));
+    }
+    let margin = if least.is_finite() {
+        format!("up to a delay of {:.1} ms", 1e3 * least)
+    } else {
+        "whatever the delay".to_owned()
+    };
+    let close = if least - delay < CLOSE * control.sample_time {
+        ", closer than one sample"
+    } else {
+        ""
+    };
+    Some(format!(
+        "{path}: the loop is stable by linear theory on wires of {:.0} to {:.0} N/m, the static stiffness of the line \
+         without its inertia, {margin}; it has {:.1} ms{close}",
+        stiffnesses[0],
+        stiffnesses[1],
+        1e3 * delay
+    ))
+}
+
+/// Remarks on what the drives did in the evaluated time.
+pub(crate) fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
+    let drives = all(scene).filter_map(|(index, control)| {
+        let forces = record.pantographs.get(index)?.control.as_ref()?;
+        let (from, to) = scene.evaluation_time(index);
+        let rows = record
+            .time
+            .iter()
+            .zip(forces)
+            .filter(|(time, _)| (from..=to).contains(*time));
+        let forces: Vec<f64> = rows.map(|(_, force)| *force).collect();
+        if forces.is_empty() {
+            return None;
+        }
+        let count = forces.len() as f64;
+        let rms = (forces.iter().map(|force| force * force).sum::<f64>() / count).sqrt();
+        let largest = forces.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+        let at_limit = control.actuator.limit.map_or(0.0, |limit| {
+            let at = forces.iter().filter(|force| force.abs() >= AT_LIMIT * limit);
+            at.count() as f64 / count
+        });
+        let mean = mean_force(record, index, from, to);
+        let away = if rms > mean || at_limit > MOSTLY {
+            "; the loop of controller, pantograph and line has run away: it needs smaller gains, shorter delays or a \
+             shorter sample_time"
+        } else {
+            ""
+        };
+        let bound = if at_limit > 0.0 {
+            format!("; at its limit {:.1} % of the time", 100.0 * at_limit)
+        } else {
+            String::new()
+        };
+        Some(format!(
+            "pantograph {}: force of the controlled drive {rms:.1} N rms, at most {largest:.1} N{bound}{away}",
+            index + 1
+        ))
+    });
+    drives.collect()
+}
+
+/// Mean contact force from one time to another, s.
+fn mean_force(record: &Record, index: usize, from: f64, to: f64) -> f64 {
+    let rows = record.time.iter().zip(&record.pantographs[index].force);
+    let (count, sum) = rows
+        .filter(|(time, _)| (from..=to).contains(*time))
+        .fold((0.0, 0.0), |(count, sum), (_, force)| (count + 1.0, sum + force));
+    sum / f64::max(count, 1.0)
+}
