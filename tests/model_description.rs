@@ -171,6 +171,7 @@ fn inputs_and_outputs_are_those_that_users_rely_on() {
         "strip[1].work",
         "strip[1].wind.drag",
         "strip[1].wind.lift",
+        "strip[1].control.force",
         "base.z",
         "uplift_force",
     ]) {

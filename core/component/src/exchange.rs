@@ -60,7 +60,8 @@ group! {
         WIND_DRAG: "wind.drag" ["N"], "Drag of the wind on the body of the strip, along the air that meets it";
         WIND_LIFT: "wind.lift" ["N"],
             "Lift of the wind on the body of the strip, across the air that meets it, positive upward";
-        CONTROL: "control.force" ["N"], "Force of the controlled drive of the pantograph, of which each strip has an equal part";
+        CONTROL: "control.force" ["N"],
+            "Force of the controlled drive of the pantograph, of which each strip has an equal part";
     }
 
     /// Number of values of a motion.

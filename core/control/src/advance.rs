@@ -13,6 +13,9 @@ pub struct Channel {
     pub input: usize,
 }
 
+/// Reads the instruments of a controller, counted from 0, from motion and multipliers of the system.
+type Read<'a, S> = dyn FnMut(&mut S, Motion<'_>, &[f64], usize, &mut Reading) + 'a;
+
 /// Internal step that has ended: motion, multipliers, length and end, s.
 type Ended<'a> = (Motion<'a>, &'a [f64], f64, f64);
 
@@ -29,7 +32,7 @@ pub fn advance<S: System>(
     channels: &mut [Channel],
     (t, h): (f64, f64),
     inputs_at: &mut dyn FnMut(f64, &mut [f64]),
-    read: &mut dyn FnMut(&mut S, Motion<'_>, &[f64], usize, &mut Reading),
+    read: &mut Read<'_, S>,
     after: &mut dyn FnMut(&mut S, Ended<'_>),
 ) -> Result<(), StepError> {
     let end = t + h;

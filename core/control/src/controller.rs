@@ -10,7 +10,7 @@ use crate::riccati::NoGains;
 /// Part of a sample time within which two times are one.
 const SAME_TIME: f64 = 1e-7;
 
-/// What the instruments of a pantograph are on.
+/// Contact force and motion that the instruments of a pantograph see.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Contact force on the head, all strips together, N.

@@ -188,8 +188,8 @@ impl Entry for Control {
     const SENTENCES: Sentences = &[
         (
             "law",
-            "Rule of the commands: PID on the contact force, linear-quadratic feedback of a lumped pantograph, a damper \
-             to the sky, or commands given from outside.",
+            "Rule of the commands: PID on the contact force, linear-quadratic feedback of a lumped pantograph, a \
+             damper to the sky, or commands given from outside.",
         ),
         ("sample_time", "Time between two samples of the controller."),
         (
@@ -217,6 +217,7 @@ impl Entry for Control {
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let law = was.map(|control| control.law);
+        let kind = keys.word_among("law", law.map(ControlLaw::kind), &KINDS, &[], None);
         let sample_time = keys.number(
             "sample_time",
             was.map(|control| control.sample_time),
@@ -225,7 +226,6 @@ impl Entry for Control {
         let force = keys.optional_number("force", was.map(|control| control.force), Number::positive("N"));
         let actuator = keys.optional_inline_table("actuator", was.map(|control| Some(&control.actuator)));
         let sensors = keys.optional_inline_table("sensors", was.map(|control| Some(&control.sensors)));
-        let kind = keys.word_among("law", law.map(ControlLaw::kind), &KINDS, &[], None);
         let law = if keys.describes() {
             for (name, kind) in KINDS {
                 keys.only(&format!("`law = \"{name}\"`"), |keys| {

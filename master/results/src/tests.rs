@@ -280,13 +280,15 @@ fn a_directory_that_was_read_back_holds_the_same_run_bit_for_bit() {
     record.animation = record.animation.rounded();
     let directory = OutputDirectory::open(folder.path().join("a/b")).unwrap();
     directory.begin("title = \"x\"\n").unwrap();
-    // The wind acts on the second pantograph only.
+    // The wind acts on the second pantograph only, which is controlled.
+    record.pantographs[1].control = Some(record.time.iter().map(|t| 20.0 * t.sin()).collect());
     record.pantographs[1].wind = Some(WindRecord {
         drag: record.time.iter().map(|t| 170.0 + t.sin()).collect(),
         lift: record.time.iter().map(|t| 70.0 + t.cos()).collect(),
     });
     let written = directory.finish(&info, record.clone(), "title = \"x\"\n").unwrap();
     let page = crate::report::render(std::slice::from_ref(&written));
+    assert!(page.contains("plot-control"));
     directory.write_report(&page).unwrap();
     let read = RunBundle::read(directory.path()).unwrap();
     assert_eq!(read.record, record);
