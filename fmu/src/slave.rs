@@ -115,7 +115,7 @@ impl<C: Component> SceneSlave<C> {
                     _ => {}
                 }
                 for (order, value) in (1..).zip(self.choices.early_derivatives[position]) {
-                    if value != 0.0 {
+                    if value != 0.0 && signal.causality == Causality::Input {
                         component.set_input_derivative(position, order, value);
                     }
                 }
@@ -142,6 +142,54 @@ impl<C: Component> SceneSlave<C> {
         }
     }
 
+    /// Refuses choices that no instance of this FMU has made, as in the bytes of a state that were changed.
+    fn fits(&self, choices: &Choices) -> ModelResult<()> {
+        for (what, found, expected) in [
+            ("parameters", choices.parameters.len(), self.choices.parameters.len()),
+            ("settings", choices.settings.len(), self.choices.settings.len()),
+            ("inputs", choices.early_inputs.len(), self.choices.early_inputs.len()),
+            (
+                "input derivatives",
+                choices.early_derivatives.len(),
+                self.choices.early_derivatives.len(),
+            ),
+        ] {
+            if found != expected {
+                return Err(ModelError::unusable(format!(
+                    "the saved state is not of this FMU: it has {found} {what}, must have {expected}"
+                )));
+            }
+        }
+        if choices.scene_text == self.choices.scene_text {
+            return Ok(());
+        }
+        let path = &choices.scene_path;
+        self.takes(&load::<C>(&choices.scene_text, path)?, path)
+    }
+
+    /// Refuses another scene than one with the variables of this FMU.
+    fn takes(&self, scene: &Scene, path: &str) -> ModelResult<()> {
+        let (mine, other) = (size(&self.packaged), size(scene));
+        if mine != other {
+            return Err(ModelError::unusable(format!(
+                "scene = {path:?}: has {} strips and {} supports, this FMU was packaged for {} and {}",
+                other.0, other.1, mine.0, mine.1
+            )));
+        }
+        let other = C::signals(scene);
+        let lacks = |signals: &[Signal], name: &str| !signals.iter().any(|signal| signal.name == name);
+        let missing = self.signals.iter().find(|signal| lacks(&other, &signal.name));
+        let more = other.iter().find(|signal| lacks(&self.signals, &signal.name));
+        if let Some((has, name)) =
+            (missing.map(|signal| ("no", &signal.name))).or(more.map(|signal| ("a", &signal.name)))
+        {
+            return Err(ModelError::unusable(format!(
+                "scene = {path:?}: has {has} variable {name}, unlike the scene that this FMU was packaged from"
+            )));
+        }
+        Ok(())
+    }
+
     fn read_scene(&mut self, path: &str) -> ModelResult<()> {
         let text = if path.is_empty() {
             self.packaged_text.clone()
@@ -154,24 +202,7 @@ impl<C: Component> SceneSlave<C> {
             std::fs::read_to_string(path).map_err(|error| ModelError::unusable(format!("scene = {path:?}: {error}")))?
         };
         let scene = load::<C>(&text, path)?;
-        let (mine, other) = (size(&self.packaged), size(&scene));
-        if mine != other {
-            return Err(ModelError::unusable(format!(
-                "scene = {path:?}: has {} strips and {} supports, this FMU was packaged for {} and {}",
-                other.0, other.1, mine.0, mine.1
-            )));
-        }
-        let other = C::signals(&scene);
-        let lacks = |signals: &[Signal], name: &str| !signals.iter().any(|signal| signal.name == name);
-        let missing = self.signals.iter().find(|signal| lacks(&other, &signal.name));
-        let more = other.iter().find(|signal| lacks(&self.signals, &signal.name));
-        if let Some((has, name)) =
-            (missing.map(|signal| ("no", &signal.name))).or(more.map(|signal| ("a", &signal.name)))
-        {
-            return Err(ModelError::unusable(format!(
-                "scene = {path:?}: has {has} variable {name}, unlike the scene that this FMU was packaged from"
-            )));
-        }
+        self.takes(&scene, path)?;
         self.choices.scene_path = path.into();
         self.choices.scene_text = text;
         self.rebuild();
@@ -386,6 +417,7 @@ impl<C: Component> Model for SceneSlave<C> {
     }
 
     fn restore(&mut self, state: &SlaveState<C::Checkpoint>) -> ModelResult<()> {
+        self.fits(&state.choices)?;
         let same =
             self.choices.scene_text == state.choices.scene_text && self.choices.parameters == state.choices.parameters;
         self.choices.clone_from(&state.choices);

@@ -1,4 +1,5 @@
 //! The state of a system and what a contribution sees of it.
+use crate::StepError;
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,23 @@ impl State {
         self.a.clone_from(&other.a);
         self.lambda.clone_from(&other.lambda);
         self.rotation.clone_from(&other.rotation);
+    }
+
+    /// Refuses a state with another number of anything than one of the same system.
+    ///
+    /// # Errors
+    /// [`StepError::OtherSystem`].
+    pub(crate) fn belongs_beside(&self, own: &Self) -> Result<(), StepError> {
+        for (found, expected) in [
+            (&self.q, &own.q),
+            (&self.v, &own.v),
+            (&self.v_dot, &own.v_dot),
+            (&self.a, &own.a),
+        ] {
+            StepError::unless_as_many("coordinates", found.len(), expected.len())?;
+        }
+        StepError::unless_as_many("multipliers", self.lambda.len(), own.lambda.len())?;
+        StepError::unless_as_many("orientations", self.rotation.len(), own.rotation.len())
     }
 
     /// The view of this state that contributions take, with the inputs `u`.

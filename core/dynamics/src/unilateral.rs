@@ -33,16 +33,18 @@ impl UnilateralStart {
 
     /// Reads the two values that [`UnilateralStart::save`] appended.
     pub fn restored(values: &mut std::slice::Iter<'_, f64>) -> Self {
-        let mut next = || {
-            *values
-                .next()
-                .expect("a saved contact holds two numbers for each beginning")
-        };
+        let mut next = || next_of(values);
         match (next(), next()) {
             (0.0, _) => Self::Unknown,
             (_, start) => Self::Known(start),
         }
     }
+}
+
+/// Next value of a saved history; one that is too short, as no own one is, goes on without a number, which the next
+/// step refuses.
+pub fn next_of(values: &mut std::slice::Iter<'_, f64>) -> f64 {
+    values.next().copied().unwrap_or(f64::NAN)
 }
 
 /// Appends half of the present step, s, and the closures `δ⁺₀` of all members, m, to the values that a contribution
@@ -55,9 +57,7 @@ pub fn save_step(half: f64, start_closure: &[f64], out: &mut Vec<f64>) {
 /// Reads the values that [`save_step`] appended.
 pub fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
     for value in std::iter::once(half).chain(start_closure) {
-        *value = *values
-            .next()
-            .expect("a saved step holds a number and one for each beginning");
+        *value = next_of(values);
     }
 }
 

@@ -397,8 +397,11 @@ impl Subsystem {
     /// Restores a checkpoint.
     ///
     /// # Errors
-    /// A matrix of the saved state that cannot be factored again.
+    /// A state of another pantograph, and one whose matrix cannot be factored again.
     pub fn restore_from(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
+        StepError::unless_as_many("inputs", checkpoint.inputs.len(), self.inputs.len())?;
+        StepError::unless_as_many("inputs", checkpoint.reached.len(), self.reached.len())?;
+        StepError::unless_as_many("strips", checkpoint.work.len(), self.work.len())?;
         self.simulator.restore(&checkpoint.simulator)?;
         self.inputs.copy_from_slice(&checkpoint.inputs);
         self.reached.clone_from(&checkpoint.reached);

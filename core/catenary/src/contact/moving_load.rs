@@ -3,6 +3,7 @@ use super::ContactGeometry;
 use super::state::slide;
 use crate::{CurveColumns, WireCurve};
 use dynamics::Frame;
+use dynamics::unilateral::next_of;
 
 /// Correction of forces that move along a wire whose inertia is corrected for the time step `h`.
 ///
@@ -149,11 +150,7 @@ impl MovingLoad {
     }
 
     pub fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        let mut next = || {
-            *values
-                .next()
-                .expect("a saved contact holds two numbers for each of two steps")
-        };
+        let mut next = || next_of(values);
         self.reached = [(); 2].map(|()| Reached {
             t: next(),
             force: next(),

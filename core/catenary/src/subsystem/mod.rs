@@ -415,8 +415,10 @@ impl Subsystem {
     /// Goes back to a checkpoint.
     ///
     /// # Errors
-    /// When the matrix of the saved state cannot be factored again.
+    /// A state of another line, and one whose matrix cannot be factored again.
     pub fn restore_from(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
+        StepError::unless_as_many("inputs", checkpoint.inputs.len(), self.inputs.len())?;
+        StepError::unless_as_many("strips", checkpoint.exchanges.len(), self.exchanges.len())?;
         self.outputs.fill(None);
         self.simulator.restore(&checkpoint.simulator)?;
         self.inputs.clone_from(&checkpoint.inputs);

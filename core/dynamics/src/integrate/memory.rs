@@ -29,6 +29,22 @@ pub(crate) struct Memory {
     pub(super) convergence_estimate: ConvergenceEstimate,
 }
 
+impl Memory {
+    /// Refuses a memory of another system than that of a state and its inputs.
+    ///
+    /// # Errors
+    /// [`StepError::OtherSystem`].
+    pub(crate) fn belongs_beside(&self, own: &State, u: &[f64]) -> Result<(), StepError> {
+        let Some(saved) = &self.linearisation else {
+            return Ok(());
+        };
+        StepError::unless_as_many("coordinates", saved.q.len(), own.q.len())?;
+        StepError::unless_as_many("coordinates", saved.v.len(), own.v.len())?;
+        StepError::unless_as_many("orientations", saved.rotation.len(), own.rotation.len())?;
+        StepError::unless_as_many("inputs", saved.u.len(), u.len())
+    }
+}
+
 impl GeneralizedAlpha {
     /// Adapts to a system that has changed since the last step; see [`Continuity`].
     pub(crate) fn continue_with(&mut self, continuity: Continuity) {

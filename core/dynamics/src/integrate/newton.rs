@@ -90,14 +90,51 @@ pub enum StepError {
         /// Name of the coordinate.
         coordinate: String,
     },
+    /// The communication step has more internal steps than are made at once.
+    #[error("a step of h = {h} s at t = {t} s has more than {MOST_MICRO_STEPS} internal steps of {micro_step} s")]
+    TooLong {
+        /// Start of the step, s.
+        t: f64,
+        /// Step, s.
+        h: f64,
+        /// Longest internal step, s.
+        micro_step: f64,
+    },
+    /// A saved state is of another system, or damaged.
+    #[error("the saved state is not of this system: it has {found} {what}, must have {expected}")]
+    OtherSystem {
+        /// Things that are counted.
+        what: &'static str,
+        /// Their number in the saved state.
+        found: usize,
+        /// Their number in this system.
+        expected: usize,
+    },
 }
 
+/// Most internal steps of a communication step: hours of simulated time, and no importer asks for more at once.
+pub const MOST_MICRO_STEPS: usize = 100_000_000;
+
 impl StepError {
+    /// Refuses a saved state that has another number of things than the system.
+    ///
+    /// # Errors
+    /// [`StepError::OtherSystem`].
+    pub fn unless_as_many(what: &'static str, found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(Self::OtherSystem { what, found, expected })
+    }
+
     /// Returns `true` if a master may roll back and try again with a smaller step (`fmi2Discard`): a residual that is
     /// no number may be the overshoot of a step that was too long.
     #[must_use]
     pub fn is_retryable(&self) -> bool {
-        matches!(self, Self::NotConverged { .. } | Self::NotFinite { .. })
+        matches!(
+            self,
+            Self::NotConverged { .. } | Self::NotFinite { .. } | Self::TooLong { .. }
+        )
     }
 }
 

@@ -1,6 +1,7 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::capability::visit_histories;
 use crate::integrate::memory::Memory;
+use crate::integrate::newton::MOST_MICRO_STEPS;
 use crate::linear::iteration_matrix::mass_matrix;
 use crate::{
     Continuity, Counters, EnergyBalance, GeneralizedAlpha, NewtonOptions, SparseMatrix, State, StaticOptions,
@@ -152,6 +153,10 @@ impl<S: System> Simulator<S> {
         after: &mut AfterStep<'_, S>,
     ) -> Result<(), StepError> {
         let count = self.micro_steps(h);
+        if count > MOST_MICRO_STEPS {
+            let micro_step = self.micro_step;
+            return Err(StepError::TooLong { t, h, micro_step });
+        }
         let dt = h / count as f64;
         for step in 1..=count {
             let tau = if step == count { h } else { step as f64 * dt };
@@ -198,8 +203,11 @@ impl<S: System> Simulator<S> {
     /// Goes back to a checkpoint.
     ///
     /// # Errors
-    /// When the matrix of the saved state cannot be factored again.
+    /// A state of another system, and one whose matrix cannot be factored again.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
+        checkpoint.state.belongs_beside(&self.state)?;
+        StepError::unless_as_many("inputs", checkpoint.u.len(), self.u.len())?;
+        checkpoint.memory.belongs_beside(&self.state, &self.u)?;
         self.state.copy_from(&checkpoint.state);
         self.u.clone_from(&checkpoint.u);
         let continuity = self.system.adopt(&self.state);

@@ -4,6 +4,7 @@ use super::modes::Modes;
 use super::slack::{Answers, Candidates};
 use crate::{CurveColumns, WireCurve};
 use dynamics::modal::kernels::{self, LANES, TOGETHER};
+use dynamics::unilateral::next_of;
 use dynamics::{Blocks, Force, LowRank, Lu, Motion, State, StepHistory, Updates, Weights};
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -555,9 +556,7 @@ impl StepHistory for Interface {
 
     fn restore_after_step(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         for slope in &mut self.slope {
-            *slope = *values
-                .next()
-                .expect("a step begins with a slope for each pair of strips");
+            *slope = next_of(values);
         }
         self.step.open = false;
     }
@@ -581,7 +580,7 @@ impl StepHistory for Interface {
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        let mut next = || *values.next().expect("a saved line in its modes is whole");
+        let mut next = || next_of(values);
         self.steps = next() as usize;
         self.points.iter_mut().for_each(|point| point.s[0] = next());
         let all = [
