@@ -309,6 +309,25 @@ fn an_output_that_is_not_finite_is_an_error() {
     );
 }
 
+/// Derivatives of huge seeds and forces were handed out as infinity with `fmi2OK`.
+#[test]
+fn regress_35_derivatives_that_are_not_finite_are_errors() {
+    let example = example();
+    let mut osc = instance(&example.fmu);
+    osc.set_real(&[at::MASS as u32], &[1e-3]).unwrap();
+    osc.set_real(FORCE, &[f64::MAX]).unwrap();
+    initialise(&mut osc);
+    let mut value = [0.0];
+    assert_eq!(
+        refused(osc.directional_derivative(&[at::A as u32], FORCE, &[f64::MAX], &mut value)),
+        "fmi2GetDirectionalDerivative: the derivative of a for these seeds is inf: is not finite"
+    );
+    assert_eq!(
+        refused(osc.get_real_output_derivatives(X, &[2], &mut value)),
+        "fmi2GetRealOutputDerivatives: derivative 2 of x = inf at t = 0 s: is not finite"
+    );
+}
+
 #[test]
 fn a_restored_state_repeats_bit_for_bit() {
     let example = example();

@@ -7,7 +7,7 @@ use crate::abi::{
 };
 use crate::model_description::{BaseType, Causality, Variable};
 use crate::slave::instance::{Failure, Instance, elements, elements_mut, enter, refuse};
-use crate::slave::model::Model;
+use crate::slave::model::{Model, ModelError};
 use crate::slave::phase::Call;
 
 /// Tolerance of times of the importer, which adds up step sizes: relative, and absolute below 1 s.
@@ -129,7 +129,13 @@ pub unsafe fn get_real_output_derivatives<M: Model>(
         for ((&reference, &n), value) in references.iter().zip(orders).zip(values) {
             let (position, variable) = real(instance, reference, Causality::Output)?;
             let n = order(variable, n)?;
-            *value = instance.model.output_derivative(position, n)?;
+            let found = instance.model.output_derivative(position, n)?;
+            if !found.is_finite() {
+                let (name, time) = (&instance.variables[position].name, instance.progress.time);
+                let message = format!("derivative {n} of {name} = {found} at t = {time} s: is not finite");
+                return Err(ModelError::unusable(message).into());
+            }
+            *value = found;
         }
         Ok(Status::Ok)
     };
@@ -170,6 +176,12 @@ pub unsafe fn get_directional_derivative<M: Model>(
             for (&known, &value) in knowns.iter().zip(seed).filter(|(_, value)| **value != 0.0) {
                 let (input, _) = real(instance, known, Causality::Input)?;
                 sum += value * instance.model.directional_derivative(output, input)?;
+            }
+            if !sum.is_finite() {
+                let name = &instance.variables[output].name;
+                return refuse(format!(
+                    "the derivative of {name} for these seeds is {sum}: is not finite"
+                ));
             }
             *derivative = sum;
         }
