@@ -163,6 +163,11 @@ impl Local {
         }
     }
 
+    /// `true` for a state that was saved of this instance and not freed.
+    pub(crate) fn has(&self, state: SavedState) -> bool {
+        self.states.get(state.0 as usize).is_some_and(Option::is_some)
+    }
+
     fn keep(&mut self, handle: StateHandle) -> SavedState {
         let free = self.states.iter().position(Option::is_none);
         let place = free.unwrap_or_else(|| {

@@ -328,10 +328,19 @@ impl Host {
             }
             Code::WantsToTerminate => reply.u8(u8::from(instance.wants_to_terminate()?)),
             Code::SaveState => reply.u32(instance.save_state()?.0),
-            Code::SaveStateAgain => instance.save_state_again(SavedState(reader.u32()?))?,
-            Code::RestoreState => instance.restore_state(SavedState(reader.u32()?))?,
+            Code::SaveStateAgain => {
+                let state = saved(reader, instance)?;
+                instance.save_state_again(state)?;
+            }
+            Code::RestoreState => {
+                let state = saved(reader, instance)?;
+                instance.restore_state(state)?;
+            }
             Code::FreeState => instance.free_state(SavedState(reader.u32()?))?,
-            Code::SerializeState => reply.bytes(&instance.serialize_state(SavedState(reader.u32()?))?),
+            Code::SerializeState => {
+                let state = saved(reader, instance)?;
+                reply.bytes(&instance.serialize_state(state)?);
+            }
             Code::DeserializeState => reply.u32(instance.deserialize_state(reader.bytes()?)?.0),
             Code::SetDebugLogging => {
                 let on = reader.u8()? != 0;
@@ -342,6 +351,12 @@ impl Host {
         }
         Ok(())
     }
+}
+
+/// The state of a number that the instance has given.
+fn saved(reader: &mut Reader<'_>, instance: &Local) -> Result<SavedState, Malformed> {
+    let state = SavedState(reader.u32()?);
+    if instance.has(state) { Ok(state) } else { Err(Malformed) }
 }
 
 /// Refuses lists that do not belong together.

@@ -216,6 +216,12 @@ impl<R: Read> Receiver<R> {
         }
     }
 
+    /// Bytes that the buffer has room for.
+    #[cfg(test)]
+    pub(super) fn room(&self) -> usize {
+        self.buffer.len()
+    }
+
     /// Content of the next frame; `None` where the other side has closed.
     ///
     /// # Errors
@@ -252,10 +258,13 @@ impl<R: Read> Receiver<R> {
                 return Err(ErrorKind::TimedOut.into());
             }
             if self.begin + needed > self.buffer.len() || self.begin == self.end {
-                self.buffer.copy_within(self.begin..self.end, 0);
-                (self.begin, self.end) = (0, self.end - self.begin);
-                if needed > self.buffer.len() {
-                    self.buffer.resize(needed, 0);
+                if self.begin > 0 {
+                    self.buffer.copy_within(self.begin..self.end, 0);
+                    (self.begin, self.end) = (0, self.end - self.begin);
+                }
+                // Not for the length that is said: memory is taken for what has come.
+                if self.end == self.buffer.len() {
+                    self.buffer.resize(needed.min(2 * self.buffer.len()), 0);
                 }
             }
             match self.from.read(&mut self.buffer[self.end..]) {

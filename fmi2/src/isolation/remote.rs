@@ -19,6 +19,8 @@ use super::{End, GRACE, Isolation, IsolationError, Reported};
 use crate::instance::{InstanceError, SavedState};
 
 mod calls;
+#[cfg(test)]
+mod tests;
 
 /// Most messages that are kept until they are fetched.
 const KEPT: usize = 1000;
@@ -71,13 +73,24 @@ impl Remote {
         let program = process::program().map_err(failed("this program cannot be found"))?;
         let started = Process::start(&program, &folder.join("resources"), name, isolation);
         let (process, stream) = started.map_err(failed("the system refuses"))?;
+        let mut remote = Self::over(fmu, name, isolation, (process, stream))
+            .map_err(failed("its socket, or no descriptor is left"))?;
+        remote.greet(&archive, &folder, program)?;
+        let request = remote.request(Code::Instantiate);
+        request.text(name);
+        request.u8(u8::from(logging));
+        remote.ask("fmi2Instantiate")?;
+        Ok(remote)
+    }
+
+    /// An instance behind a socket, before any word was exchanged.
+    fn over(fmu: &Fmu, name: &str, isolation: &Isolation, child: (Process, UnixStream)) -> std::io::Result<Self> {
+        let (process, stream) = child;
         let longest = isolation.time_limit.saturating_add(GRACE);
-        let timed = stream.set_read_timeout(Some(LOOK));
-        timed
-            .and_then(|()| stream.set_write_timeout(Some(longest)))
-            .map_err(failed("its socket"))?;
-        let receiver = Receiver::new(stream.try_clone().map_err(failed("no descriptor is left"))?);
-        let mut remote = Self {
+        stream.set_read_timeout(Some(LOOK))?;
+        stream.set_write_timeout(Some(longest))?;
+        let receiver = Receiver::new(stream.try_clone()?);
+        Ok(Self {
             name: name.to_owned(),
             fmu: fmu.clone(),
             isolation: isolation.clone(),
@@ -94,13 +107,7 @@ impl Remote {
             fresh: false,
             time: None,
             ended: false,
-        };
-        remote.greet(&archive, &folder, program)?;
-        let request = remote.request(Code::Instantiate);
-        request.text(name);
-        request.u8(u8::from(logging));
-        remote.ask("fmi2Instantiate")?;
-        Ok(remote)
+        })
     }
 
     fn greet(

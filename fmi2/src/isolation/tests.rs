@@ -77,6 +77,15 @@ fn frames_are_found_however_they_arrive() {
     assert!(endless.receive().is_err(), "a length beyond any frame");
 }
 
+/// The length of a frame took as much memory before a byte of it had come.
+#[test]
+fn regress_35_memory_is_taken_for_what_has_come_of_a_frame_and_not_for_what_is_said() {
+    let bytes = [&(1_u32 << 30).to_le_bytes()[..], &[3; 200_000]].concat();
+    let mut receiver = Receiver::new(&bytes[..]);
+    assert!(receiver.receive().unwrap().is_none(), "it is cut off");
+    assert!(receiver.room() < 1 << 20, "{}", receiver.room());
+}
+
 #[test]
 fn every_code_is_its_own_byte() {
     for byte in 0..=u8::MAX {
