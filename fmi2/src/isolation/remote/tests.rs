@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::os::unix::net::UnixStream;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use fastrand::Rng;
 
@@ -167,7 +167,6 @@ fn attack(seed: u64, count: u64) {
     let (fmu, _folder) = fmu();
     for number in 0..count {
         let said = said(&mut Rng::with_seed(seed << 32 | number));
-        let begin = Instant::now();
         let results = catch_unwind(AssertUnwindSafe(|| answered(&fmu, &said)));
         let results = results.unwrap_or_else(|_| panic!("seed {seed}, child {number}: the parent panics: {said:?}"));
         let gone = |error: &InstanceError| matches!(error, InstanceError::Isolation(IsolationError::Gone { .. }));
@@ -183,9 +182,6 @@ fn attack(seed: u64, count: u64) {
             assert!(!error.to_string().is_empty());
             ended |= gone(error);
         }
-        // The only call that waits is that of a child that says too little.
-        let wall = begin.elapsed();
-        assert!(wall < 10 * LIMIT, "seed {seed}, child {number}: {wall:?}");
     }
 }
 

@@ -1,13 +1,13 @@
 //! Scenes that are changed at random: whatever a file says, the program answers with a scene or with a message.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 use fastrand::Rng;
 use scene::{Files, Scene};
 use toml::{Table, Value};
+
+use crate::texts::change_bytes;
+use crate::{SEEDS, caught, kept, program_fault, thousands, unsaid};
 
 /// Scenes that are changed, small ones among them.
 const SCENES: [&str; 8] = [
@@ -24,20 +24,13 @@ const SCENES: [&str; 8] = [
 /// Small lines, whose static state takes no time.
 const SMALL: [&str; 2] = ["conductor-rail", "tram-single-wire"];
 
-/// Seeds of the suite.
-const SEEDS: [u64; 3] = [1, 2, 3];
-
-/// Time that a scene may take, by far: a line of a thousand spans takes a minute on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(600);
-
-/// Address space of the program, kB: a scene that asks for more is refused, or a defect.
-const MEMORY: u64 = 4_000_000;
-
-fn scenes() -> PathBuf {
+/// Folder of the scenes.
+pub fn scenes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
 }
 
-fn text(name: &str) -> String {
+/// Text of a scene of the source tree.
+pub fn text(name: &str) -> String {
     std::fs::read_to_string(scenes().join(format!("{name}.toml"))).unwrap()
 }
 
@@ -160,21 +153,11 @@ fn change(rng: &mut Rng, scene: &mut Value) {
     }
 }
 
-/// A scene that is changed in one to three things, or a text that is.
-fn changed(rng: &mut Rng, text: &str) -> String {
+/// A text of TOML that is changed in one to three things, or as bytes.
+pub fn changed(rng: &mut Rng, text: &str) -> String {
     if rng.u8(..8) == 0 {
         let mut bytes = text.as_bytes().to_vec();
-        for _ in 0..rng.usize(1..4) {
-            let place = rng.usize(..bytes.len());
-            match rng.u8(..3) {
-                0 => bytes[place] = rng.u8(..),
-                1 => drop(bytes.drain(place..(place + rng.usize(1..40)).min(bytes.len()))),
-                _ => {
-                    let odd = b"\0\x1b\"'[]{}=,.#\n-9e";
-                    bytes.insert(place, odd[rng.usize(..odd.len())]);
-                }
-            }
-        }
+        change_bytes(rng, &mut bytes);
         return String::from_utf8_lossy(&bytes).into_owned();
     }
     let mut scene = Value::Table(text.parse().unwrap());
@@ -189,67 +172,24 @@ fn load(text: &str) -> Result<Scene, String> {
     system::load_with(text, "changed.toml", &[], &files).map_err(|error| error.to_string())
 }
 
-/// Keeps a text that has shown a fault, and says where.
-fn kept(text: &str, seed: u64, number: usize) -> String {
-    let path = std::env::temp_dir().join(format!("pantoline-attack-{seed}-{number}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path.display().to_string()
-}
-
-/// Faults of a message of the program.
-fn faults_of(said: &str) -> Option<&'static str> {
-    if said.trim().is_empty() {
-        return Some("nothing is said");
-    }
-    let raw = |c: char| c.is_control() && c != '\n' && c != '\t';
-    said.contains(raw).then_some("a control character is printed")
-}
-
 /// Reads changed scenes: a scene, which reads back as it is written, or a message.
 fn read(seed: u64, count: usize) {
     let mut rng = Rng::with_seed(seed);
     for number in 0..count {
         let text = changed(&mut rng, &text(SCENES[number % SCENES.len()]));
-        let result = catch_unwind(AssertUnwindSafe(|| load(&text)));
-        let fault = match result {
-            Err(_) => Some("it panics".to_owned()),
+        let fault = caught(|| match load(&text) {
             // Control characters are escaped where they are printed.
-            Ok(Err(said)) => said.trim().is_empty().then(|| "nothing is said".to_owned()),
-            Ok(Ok(scene)) => match load(&scene.to_toml()) {
+            Err(said) => unsaid(&said),
+            Ok(scene) => match load(&scene.to_toml()) {
                 Ok(again) if again == scene => None,
                 Ok(_) => Some("it reads back as another scene".to_owned()),
                 Err(said) => Some(format!("it does not read back: {said}")),
             },
-        };
+        });
         if let Some(fault) = fault {
-            panic!("seed {seed}, {}: {fault}", kept(&text, seed, number));
+            panic!("seed {seed}, {}: {fault}", kept(text.as_bytes(), "toml", seed, number));
         }
     }
-}
-
-/// The program on a scene, with bounded memory; nothing where it does not end.
-fn checked(path: &Path) -> Option<Output> {
-    let mut child = Command::new("sh")
-        .arg("-c")
-        .arg(format!("ulimit -v {MEMORY}; exec \"$0\" \"$@\""))
-        .arg(env!("CARGO_BIN_EXE_master"))
-        .args(["check", "-q", "--json"])
-        .arg(path)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let begin = Instant::now();
-    while begin.elapsed() < PATIENCE {
-        if child.try_wait().unwrap().is_some() {
-            return Some(child.wait_with_output().unwrap());
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
-    None
 }
 
 /// Solves changed scenes: the program ends in time and memory, with status 0, 1 or 2 and a message where it is not 0.
@@ -266,20 +206,9 @@ fn solve(seed: u64, count: usize) {
         }
         number += 1;
         std::fs::write(&path, &text).unwrap();
-        let fault = match checked(&path) {
-            None => Some("it does not end".to_owned()),
-            Some(output) => {
-                let said = String::from_utf8_lossy(&output.stderr).into_owned();
-                match output.status.code() {
-                    Some(0) => None,
-                    Some(1 | 2) => faults_of(&said).map(|fault| format!("{fault}: {said}")),
-                    _ => Some(format!("{}: {said}", output.status)),
-                }
-                .or(said.contains("a defect of this program").then_some(said))
-            }
-        };
-        if let Some(fault) = fault {
-            panic!("seed {seed}, {}: {fault}", kept(&text, seed, number));
+        let arguments = ["check", "-q", "--json", "changed.toml"];
+        if let Some(fault) = program_fault(folder.path(), &arguments, &["changed.toml"]) {
+            panic!("seed {seed}, {}: {fault}", kept(text.as_bytes(), "toml", seed, number));
         }
     }
 }
@@ -296,10 +225,11 @@ fn changed_scenes_are_solved_or_refused_with_a_message() {
 
 #[test]
 #[ignore = "for hours: thousands of scenes; ATTACK_SEED chooses others"]
-fn attack_by_thousands() {
-    let first = std::env::var("ATTACK_SEED").map_or(10, |seed| seed.parse().expect("a whole number"));
-    for seed in first..first + 3 {
+fn attack_by_scenes() {
+    for seed in thousands() {
         read(seed, 20_000);
+        println!("seed {seed}: 20000 scenes read");
         solve(seed, 500);
+        println!("seed {seed}: 500 scenes solved");
     }
 }
