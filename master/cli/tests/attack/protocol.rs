@@ -123,14 +123,15 @@ fn request(rng: &mut Rng, code: u8, time: &mut f64) -> Vec<u8> {
 fn sent(rng: &mut Rng, fmu: &Fmu) -> Vec<u8> {
     let mut contents = vec![greeting(fmu)];
     let mut time = 0.0;
-    let ordered: [u8; 4] = [1, 2, 3, 4];
-    let whole = rng.usize(..=ordered.len());
-    for number in 0..rng.usize(1..12) {
+    // First as an importer begins: instance, experiment, initialisation.
+    let mut ordered = 1..=rng.u8(..=4);
+    for _ in 0..rng.usize(1..12) {
         let mut content = Vec::new();
-        let count = if number < whole { 1 } else { rng.usize(..4) };
+        let begun = ordered.next();
+        let count = if begun.is_some() { 1 } else { rng.usize(..4) };
         content.extend((count as u32).to_le_bytes());
         for _ in 0..count {
-            let code = if number < whole { ordered[number] } else { rng.u8(1..30) };
+            let code = begun.unwrap_or_else(|| rng.u8(1..30));
             content.extend(request(rng, code, &mut time));
         }
         contents.push(content);
