@@ -47,7 +47,7 @@ pub fn advance<S: System>(
                 .act(from, &mut |reading| read(system, motion, lambda, k, reading));
             let event = channel.controller.next_event(from);
             // An event at the end belongs to the step that follows.
-            if event < to * (1.0 - 1e-12) - 1e-12 {
+            if event > from && event < to * (1.0 - 1e-12) - 1e-12 {
                 to = event;
             }
         }

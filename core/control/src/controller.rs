@@ -116,11 +116,9 @@ impl Controller {
     /// First time after `t` s at which a sample is taken or a command takes effect, s.
     #[must_use]
     pub fn next_event(&self, t: f64) -> f64 {
-        let next = self.state.next.unwrap_or_else(|| self.first_from(t));
-        let mut event = next as f64 * self.sample;
-        if self.is_due(event, t) {
-            event += self.sample;
-        }
+        let after = self.first_after(t);
+        let next = self.state.next.map_or(after, |next| next.max(after));
+        let event = next as f64 * self.sample;
         match self.state.on_its_way {
             Some([time, _]) if !self.is_due(time, t) => event.min(time),
             _ => event,
@@ -141,7 +139,7 @@ impl Controller {
         self.state.next = Some(next);
         if self.is_due(next as f64 * self.sample, t) {
             let command = self.sampled(t, next, read);
-            self.state.next = Some(next + 1);
+            self.state.next = Some(self.first_after(t));
             if self.delay > 0.0 {
                 self.state.on_its_way = Some([next as f64 * self.sample + self.delay, command]);
             } else {
@@ -190,6 +188,11 @@ impl Controller {
     /// Number of the first sample at `t` s or later.
     fn first_from(&self, t: f64) -> i64 {
         (t / self.sample - SAME_TIME).ceil() as i64
+    }
+
+    /// Number of the first sample later than `t` s.
+    fn first_after(&self, t: f64) -> i64 {
+        ((t / self.sample + SAME_TIME).floor() as i64).saturating_add(1)
     }
 
     fn is_due(&self, event: f64, t: f64) -> bool {

@@ -402,6 +402,8 @@ impl Subsystem {
         StepError::unless_as_many("inputs", checkpoint.inputs.len(), self.inputs.len())?;
         StepError::unless_as_many("inputs", checkpoint.reached.len(), self.reached.len())?;
         StepError::unless_as_many("strips", checkpoint.work.len(), self.work.len())?;
+        let controllers = checkpoint.controllers.len();
+        StepError::unless_as_many("controllers", controllers, self.controllers.len())?;
         self.simulator.restore(&checkpoint.simulator)?;
         self.inputs.copy_from_slice(&checkpoint.inputs);
         self.reached.clone_from(&checkpoint.reached);

@@ -349,7 +349,13 @@ pub(super) fn control(curves: &[Curve]) -> String {
     for (i, c) in curves.iter().enumerate() {
         let Some(force) = &c.strip.control else { continue };
         let time = rounded(&c.run.record.time, 1e4);
-        traces.push(curve(time, rounded(force, 1e2), &name("drive", &c.label), colour(i), 1.4));
+        traces.push(curve(
+            time,
+            rounded(force, 1e2),
+            &name("drive", &c.label),
+            colour(i),
+            1.4,
+        ));
     }
     figure(
         traces,
