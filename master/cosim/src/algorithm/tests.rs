@@ -460,10 +460,11 @@ fn a_prediction_of_degree_two_repeats_a_parabola() {
 #[test]
 fn the_cubic_reaches_both_positions_and_velocities() {
     let start = component::Point {
-        strips: vec![1.0, 0.0, 5.0, 80.0, 0.1, -0.3, 0.0, 0.0, 0.0, 0.0],
+        strips: [&[1.0, 0.0, 5.0, 80.0, 0.1, -0.3][..], &[0.0; strip::OUTPUTS - 6]].concat(),
         ..component::Point::default()
     };
-    let end = [9.1, 0.02, 4.9, 80.5, 0.2, 0.4, 0.01, 0.0, 0.0, 0.0];
+    let mut end = [0.0; strip::OUTPUTS];
+    end[..strip::MOTION].copy_from_slice(&[9.1, 0.02, 4.9, 80.5, 0.2, 0.4, 0.01]);
     let (h, mut polynomial) = (0.1, Polynomial::zeros(strip::MOTION));
     predict::hermite(&start, &end, h, &mut polynomial);
     for (i, (from, to)) in start.strips.iter().zip(end).enumerate().take(strip::MOTION) {
