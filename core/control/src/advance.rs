@@ -51,20 +51,22 @@ pub fn advance<S: System>(
                 to = event;
             }
         }
+        // A step without an event has its own length, to the last bit.
+        let length = if from == t && to == end { h } else { to - from };
         if jumped {
             let forces = &mut |u: &mut [f64]| {
                 for channel in &*channels {
                     u[channel.input] = channel.controller.force(from);
                 }
             };
-            simulator.jump_by(forces, to - from)?;
+            simulator.jump_by(forces, length)?;
         }
-        let count = simulator.micro_steps(to - from) as f64;
+        let count = simulator.micro_steps(length) as f64;
         let mut steps = 0.0;
         let channels = &*channels;
         simulator.advance(
             from,
-            to - from,
+            length,
             &mut |tau, u| {
                 inputs_at(from - t + tau, u);
                 for channel in channels {
