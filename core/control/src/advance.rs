@@ -17,7 +17,7 @@ pub struct Channel {
 type Read<'a, S> = dyn FnMut(&mut S, Motion<'_>, &[f64], usize, &mut Reading) + 'a;
 
 /// Internal step that has ended: motion, multipliers, length and end, s.
-type Ended<'a> = (Motion<'a>, &'a [f64], f64, f64);
+pub type Ended<'a> = (Motion<'a>, &'a [f64], f64, f64);
 
 /// Advances a system with controllers from `t` to `t + h`, s, from event to event.
 ///

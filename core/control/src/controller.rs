@@ -69,7 +69,7 @@ impl Controller {
         let desired = control.force.unwrap_or(start);
         Ok(Self {
             sample: control.sample_time,
-            delay: control.sensors.delay + control.actuator.delay,
+            delay: control.delay(),
             desired,
             law: Law::new(control, lumped, desired, reference_force)?,
             drive: Drive::from(&control.actuator),

@@ -105,17 +105,15 @@ impl Law {
             } => {
                 let lumped = lumped.ok_or(NoGains)?;
                 let plant = LinearPantograph::new(lumped, &control.actuator, wire_stiffness);
-                let delay = control.sensors.delay + control.actuator.delay;
-                let delayed = Delayed::new(&plant, sample, delay);
+                let delayed = Delayed::new(&plant, sample, control.delay());
                 let mut weights = nalgebra::DMatrix::zeros(delayed.size(), delayed.size());
                 weights[(0, 0)] = force_weight * wire_stiffness * wire_stiffness;
                 let velocity = plant.masses() + plant.driven();
                 weights[(velocity, velocity)] += velocity_weight;
                 let gains = gains(&delayed, &weights, effort_weight)?;
                 let count = plant.masses();
-                let has_lag = control.actuator.lag > 0.0;
                 let drive = [
-                    if has_lag { gains[2 * count] } else { 0.0 },
+                    plant.drive_state().map_or(0.0, |state| gains[state]),
                     gains.get(plant.size()).copied().unwrap_or(0.0),
                 ];
                 // Each spring gives way to the force beyond that of the reference height.

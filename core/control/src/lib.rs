@@ -24,7 +24,7 @@ mod riccati;
 mod stability;
 
 pub use actuator::{Drive, DriveState};
-pub use advance::{Channel, advance};
+pub use advance::{Channel, Ended, advance};
 pub use controller::{Controller, ControllerState, Reading};
 pub use linear::LinearPantograph;
 pub use riccati::NoGains;

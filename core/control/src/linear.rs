@@ -82,6 +82,11 @@ impl LinearPantograph {
         self.wire_stiffness
     }
 
+    /// State that is the force of the drive; none without a lag.
+    pub(crate) fn drive_state(&self) -> Option<usize> {
+        (self.size() > 2 * self.masses).then_some(2 * self.masses)
+    }
+
     /// Number of states.
     #[must_use]
     pub fn size(&self) -> usize {

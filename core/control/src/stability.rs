@@ -20,7 +20,6 @@ pub struct SampledLoop {
     law: Law,
     sample: f64,
     delay: f64,
-    has_lag: bool,
 }
 
 impl SampledLoop {
@@ -34,8 +33,7 @@ impl SampledLoop {
             // The deviations from rest are those from a desired force of 0.
             law: Law::new(control, Some(lumped), 0.0, 0.0)?,
             sample: control.sample_time,
-            delay: control.sensors.delay + control.actuator.delay,
-            has_lag: control.actuator.lag > 0.0,
+            delay: control.delay(),
         })
     }
 
@@ -98,13 +96,10 @@ impl SampledLoop {
             rises: state.rows(0, masses).iter().copied().collect(),
             velocities: state.rows(masses, masses).iter().copied().collect(),
         };
+        let known = |index: usize| if index < n { state[index] } else { 0.0 };
         let drive = KnownDrive {
-            force: if self.has_lag { state[2 * masses] } else { 0.0 },
-            command: if n > self.plant.size() {
-                state[self.plant.size()]
-            } else {
-                0.0
-            },
+            force: self.plant.drive_state().map_or(0.0, known),
+            command: known(self.plant.size()),
         };
         let unlimited = (f64::INFINITY, 0.0);
         let command = self.law.command(&mut memory, &reading, 0.0, drive, unlimited);

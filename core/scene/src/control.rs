@@ -54,8 +54,8 @@ pub enum ControlLaw {
     Given,
 }
 
-/// `control.actuator`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// `control.actuator`; by default a drive of the last mass without limits that follows its commands at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Actuator {
     /// Mass of a lumped pantograph that the force acts on, from 1; `None` is the last one. A linkage is driven where
     /// its raising force acts.
@@ -249,19 +249,6 @@ impl Entry for Control {
     }
 }
 
-impl Default for Actuator {
-    /// A drive of the last mass without limits that follows its commands at once.
-    fn default() -> Self {
-        Self {
-            mass: None,
-            limit: None,
-            rate_limit: None,
-            lag: 0.0,
-            delay: 0.0,
-        }
-    }
-}
-
 impl Entry for Actuator {
     const SENTENCES: Sentences = &[
         (
@@ -359,6 +346,12 @@ impl Scene {
 }
 
 impl Control {
+    /// Time from a motion to the effect of the command that it leads to, s.
+    #[must_use]
+    pub fn delay(&self) -> f64 {
+        self.sensors.delay + self.actuator.delay
+    }
+
     fn check_lumped(&self, lumped: &crate::Lumped, path: &str, found: &mut Found) {
         let masses = lumped.masses.len();
         if let Some(mass) = self.actuator.mass.filter(|&mass| mass > masses) {
@@ -395,8 +388,7 @@ impl Control {
                 expected,
             );
         }
-        let delay = self.sensors.delay + self.actuator.delay;
-        if delay > sample * (1.0 + 1e-9) {
+        if self.delay() > sample * (1.0 + 1e-9) {
             let key = if self.actuator.delay >= self.sensors.delay {
                 "actuator"
             } else {

@@ -6,7 +6,7 @@ mod whole;
 use catenary::{
     CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, WireName, scene_line, strip_contact,
 };
-use control::{Channel, ControllerState};
+use control::{Channel, ControllerState, Ended};
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
 use serde::{Deserialize, Serialize};
@@ -50,13 +50,49 @@ pub struct OneSystem {
     supports: Vec<usize>,
     audit: Option<Audit>,
     repetition: Option<Box<Checkpoint>>,
-    /// Controllers of pantographs.
-    channels: Vec<Channel>,
-    /// Pantograph (from 0) of each controller.
-    controlled: Vec<usize>,
+    control: Control,
     unrepeated: u64,
     /// Sum of the amounts of work that crossed the contacts, step by step, J.
     crossed: f64,
+}
+
+/// Controllers of the pantographs that have one.
+#[derive(Default)]
+struct Control {
+    channels: Vec<Channel>,
+    /// Pantograph (from 0) of each.
+    pantographs: Vec<usize>,
+}
+
+impl Control {
+    /// Advances the system from `t` to `t + h`, s; see [`control::advance`].
+    fn advance(
+        &mut self,
+        simulator: &mut Simulator<Whole>,
+        (t, h): (f64, f64),
+        after: &mut dyn FnMut(&mut Whole, Ended<'_>),
+    ) -> Result<(), StepError> {
+        let pantographs = &self.pantographs;
+        control::advance(
+            simulator,
+            &mut self.channels,
+            (t, h),
+            &mut |_, _| {},
+            &mut |whole, motion, lambda, k, reading| whole.read_instruments(&motion, lambda, pantographs[k], reading),
+            after,
+        )
+    }
+
+    /// States of the controllers.
+    fn states(&self) -> impl Iterator<Item = ControllerState> {
+        self.channels.iter().map(|channel| channel.controller.state())
+    }
+
+    fn set_states(&mut self, states: &[ControllerState]) {
+        for (channel, state) in self.channels.iter_mut().zip(states) {
+            channel.controller.set_state(*state);
+        }
+    }
 }
 
 /// Observed values besides the contact.
@@ -155,18 +191,17 @@ impl OneSystem {
             )
         });
         let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
-        let mut channels = Vec::new();
-        let mut controlled = Vec::new();
+        let mut control = Control::default();
         for (index, pantograph) in pantographs.iter_mut().enumerate() {
             let start = scene.strips_of(index).map(|strip| alone.force(strip)).sum();
-            let channel = pantograph.controlled(scene, index, start, inputs + channels.len());
+            let channel = pantograph.controlled(scene, index, start, inputs + control.channels.len());
             let channel = channel.map_err(|source| OneSystemError::Pantograph {
                 pantograph: index + 1,
                 source,
             })?;
             if let Some(channel) = channel {
-                channels.push(channel);
-                controlled.push(index);
+                control.channels.push(channel);
+                control.pantographs.push(index);
             }
         }
         let mut state = layout.state_at_rest();
@@ -199,7 +234,7 @@ impl OneSystem {
         let mut simulator = Simulator::new(
             whole,
             state,
-            vec![0.0; inputs + channels.len()],
+            vec![0.0; inputs + control.channels.len()],
             solver.micro_step,
             solver.rho_inf,
             solver.newton_options(),
@@ -214,8 +249,7 @@ impl OneSystem {
             supports: supports.to_vec(),
             audit: None,
             repetition: None,
-            channels,
-            controlled,
+            control,
             unrepeated: 0,
             crossed: 0.0,
         })
@@ -346,9 +380,8 @@ impl OneSystem {
             strips: vec![0.0; strips * strip::OUTPUTS],
         };
         let supports = &self.supports;
-        let lambda = self.simulator.state().lambda.clone();
-        let (whole, motion) = self.simulator.parts();
-        whole.read((&motion, &lambda), supports, &mut point);
+        let (whole, motion, lambda) = self.simulator.parts_with_multipliers();
+        whole.read((&motion, lambda), supports, &mut point);
         point
     }
 
@@ -390,14 +423,8 @@ impl OneSystem {
         let first = self.repeat_ahead(t, h)?;
         let supports = &self.supports;
         let crossed = &mut self.crossed;
-        let controlled = &self.controlled;
-        control::advance(
-            &mut self.simulator,
-            &mut self.channels,
-            (t, h),
-            &mut |_, _| {},
-            &mut |whole, motion, lambda, k, reading| whole.read_instruments(&motion, lambda, controlled[k], reading),
-            &mut |whole, (motion, lambda, _, end)| {
+        self.control
+            .advance(&mut self.simulator, (t, h), &mut |whole, (motion, lambda, _, end)| {
                 whole.turn_to(time_shares::MASTER);
                 let [previous, present] = points;
                 present.from = previous.t;
@@ -409,8 +436,7 @@ impl OneSystem {
                 see(previous, present);
                 points.swap(0, 1);
                 whole.step_done();
-            },
-        )?;
+            })?;
         self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
         if let Some(audit) = &mut self.audit {
             self.simulator.balance(&mut audit.balance, h);
@@ -422,36 +448,16 @@ impl OneSystem {
 
     /// Makes the step to come and takes it back, where that was asked for; returns what it led to.
     fn repeat_ahead(&mut self, t: f64, h: f64) -> Result<Option<State>, StepError> {
-        let Some(mut checkpoint) = self.repetition.take() else {
+        let Some(checkpoint) = &mut self.repetition else {
             return Ok(None);
         };
-        self.simulator.save(&mut checkpoint);
-        let controllers: Vec<_> = self.controllers().collect();
-        let controlled = &self.controlled;
-        control::advance(
-            &mut self.simulator,
-            &mut self.channels,
-            (t, h),
-            &mut |_, _| {},
-            &mut |whole, motion, lambda, k, reading| whole.read_instruments(&motion, lambda, controlled[k], reading),
-            &mut |_, _| {},
-        )?;
+        self.simulator.save(checkpoint);
+        let controllers: Vec<_> = self.control.states().collect();
+        self.control.advance(&mut self.simulator, (t, h), &mut |_, _| {})?;
         let state = self.simulator.state().clone();
-        self.simulator.restore(&checkpoint)?;
-        self.repetition = Some(checkpoint);
-        self.set_controllers(&controllers);
+        self.simulator.restore(checkpoint)?;
+        self.control.set_states(&controllers);
         Ok(Some(state))
-    }
-
-    /// States of the controllers.
-    fn controllers(&self) -> impl Iterator<Item = ControllerState> {
-        self.channels.iter().map(|channel| channel.controller.state())
-    }
-
-    fn set_controllers(&mut self, states: &[ControllerState]) {
-        for (channel, state) in self.channels.iter_mut().zip(states) {
-            channel.controller.set_state(*state);
-        }
     }
 
     /// Work done by the solver.

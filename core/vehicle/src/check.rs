@@ -2,7 +2,7 @@
 pub(crate) use dynamics::testing::{
     LawTrio, assert_energy, assert_law, assert_tangent, dense, generalised_force as force, jacobian,
 };
-use dynamics::{Layout, State, rotation};
+use dynamics::{Force, Layout, State, rotation};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A state with displacements and velocities that favour no direction.
@@ -27,4 +27,16 @@ pub(crate) fn awkward(layout: &Layout) -> State {
 /// An orientation that favours no direction.
 pub(crate) fn tilted(seed: f64) -> UnitQuaternion<f64> {
     rotation::exp(&Vector3::new(0.4 + seed, -0.7 * seed, 0.9 - seed))
+}
+
+/// Asserts that all power of a contribution comes from outside.
+pub(crate) fn assert_driven(law: &mut dyn Force, state: &State, u: &[f64]) {
+    let motion = state.motion(u);
+    let expected: f64 = force(law, &motion).iter().zip(&state.v).map(|(f, v)| f * v).sum();
+    let power = law.power(&motion).unwrap();
+    // Rounding of some hundred watts.
+    assert!(
+        (power.driven - expected).abs() < 1e-10 && power.dissipated == 0.0,
+        "{power:?} {expected}"
+    );
 }

@@ -102,7 +102,7 @@ static STRIP: [SignalEntry<Subsystem>; strip::OUTPUTS] = [
     SignalEntry::output(strip::SIGNALS[strip::WORK], |side, strip| side.work(strip)),
     SignalEntry::output(strip::SIGNALS[strip::WIND_DRAG], |side, _| side.wind_on_strip()[0]),
     SignalEntry::output(strip::SIGNALS[strip::WIND_LIFT], |side, _| side.wind_on_strip()[1]),
-    SignalEntry::output(strip::SIGNALS[strip::CONTROL], |side, _| side.drive_force()),
+    SignalEntry::output(strip::SIGNALS[strip::CONTROL], |side, _| side.drive_force_of_strip()),
 ];
 
 /// Command of a controller whose commands are given; it holds until the next one.

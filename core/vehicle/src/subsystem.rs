@@ -335,8 +335,8 @@ impl Subsystem {
         self.work[strip]
     }
 
-    /// Force of the controlled drive now, N, of which each strip has an equal part; 0 without one.
-    pub fn drive_force(&mut self) -> f64 {
+    /// Part of each strip in the force of the controlled drive now, N; 0 without one.
+    pub fn drive_force_of_strip(&mut self) -> f64 {
         let strips = self.strips() as f64;
         let (pantograph, motion) = self.pantograph();
         pantograph.drive_force(&motion) / strips

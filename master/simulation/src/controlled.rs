@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use catenary::StaticLine;
 use control::SampledLoop;
-use results::{Part, Record};
+use results::statistics::ForceStatistics;
+use results::{Evaluation, Part, Record};
 use scene::{Control, ControlLaw, PantographModel, Scene};
 
 /// Part of the limit from which on a drive is at it.
@@ -46,7 +47,7 @@ fn described(control: &Control) -> String {
         .mass
         .map_or_else(String::new, |mass| format!(" on mass {mass}"));
     let mut text = format!("{rule} every {} ms; drive{place}", 1e3 * control.sample_time);
-    let delay = control.sensors.delay + actuator.delay;
+    let delay = control.delay();
     // Writing into a String does not fail.
     for (name, value) in [("lag", actuator.lag), ("delay", delay)] {
         if value > 0.0 {
@@ -98,7 +99,7 @@ fn remark(scene: &Scene, index: usize, control: &Control, stiffnesses: [f64; 2])
     let worst = margins.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let least = margins.into_iter().flatten().map(|(_, margin, _)| margin);
     let least = least.fold(f64::INFINITY, f64::min);
-    let delay = control.sensors.delay + control.actuator.delay;
+    let delay = control.delay();
     let path = format!("pantograph[{}].control", index + 1);
     let (radius, _, stiffness) = worst;
     if radius >= 1.0 {
@@ -129,28 +130,20 @@ fn remark(scene: &Scene, index: usize, control: &Control, stiffnesses: [f64; 2])
 }
 
 /// Remarks on what the drives did in the evaluated time.
-pub(crate) fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
+pub(crate) fn remarks(scene: &Scene, evaluation: &Evaluation, record: &Record) -> Vec<String> {
     let drives = all(scene).filter_map(|(index, control)| {
-        let forces = record.pantographs.get(index)?.control.as_ref()?;
-        let (from, to) = scene.evaluation_time(index);
-        let rows = record
-            .time
-            .iter()
-            .zip(forces)
-            .filter(|(time, _)| (from..=to).contains(*time));
-        let forces: Vec<f64> = rows.map(|(_, force)| *force).collect();
-        if forces.is_empty() {
-            return None;
-        }
-        let count = forces.len() as f64;
-        let rms = (forces.iter().map(|force| force * force).sum::<f64>() / count).sqrt();
-        let largest = forces.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+        let pantograph = record.pantographs.get(index)?;
+        let samples = evaluation.samples(&record.time, index);
+        let forces = pantograph.control.as_ref()?.get(samples.clone())?;
+        let drive = ForceStatistics::of(forces)?;
+        let contact = ForceStatistics::of(pantograph.force.get(samples)?)?;
+        let rms = drive.mean.hypot(drive.std);
+        let largest = drive.max.abs().max(drive.min.abs());
         let at_limit = control.actuator.limit.map_or(0.0, |limit| {
             let at = forces.iter().filter(|force| force.abs() >= AT_LIMIT * limit);
-            at.count() as f64 / count
+            at.count() as f64 / forces.len() as f64
         });
-        let mean = mean_force(record, index, from, to);
-        let away = if rms > mean || at_limit > MOSTLY {
+        let away = if rms > contact.mean || at_limit > MOSTLY {
             "; the loop of controller, pantograph and line has run away: it needs smaller gains, shorter delays or a \
              shorter sample_time"
         } else {
@@ -167,13 +160,4 @@ pub(crate) fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
         ))
     });
     drives.collect()
-}
-
-/// Mean contact force from one time to another, s.
-fn mean_force(record: &Record, index: usize, from: f64, to: f64) -> f64 {
-    let rows = record.time.iter().zip(&record.pantographs[index].force);
-    let (count, sum) = rows
-        .filter(|(time, _)| (from..=to).contains(*time))
-        .fold((0.0, 0.0), |(count, sum), (_, force)| (count + 1.0, sum + force));
-    sum / f64::max(count, 1.0)
 }

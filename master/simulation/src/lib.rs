@@ -494,6 +494,22 @@ impl Prepared {
         let scene = &self.scene;
         let mean_step = outcome.simulated / outcome.macro_steps as f64;
         let step = step_made(scene, &outcome.steps, mean_step);
+        let evaluation = results::Evaluation {
+            time: (0..scene.pantographs.len())
+                .map(|index| scene.evaluation_time(index))
+                .collect(),
+            low_pass_hz: scene.run.low_pass_hz,
+            filter: scene.run.filter.into(),
+            bands_hz: scene.run.bands_hz.clone(),
+            output_step: scene.run.output_step,
+            speed: scene.run.speed,
+        };
+        let notes = (self.notes(step).into_iter())
+            .chain(outcome.notes)
+            .chain(sliding_joint::remarks(scene, &record))
+            .chain(strip_overrun::remarks(scene, &record))
+            .chain(controlled::remarks(scene, &evaluation, &record))
+            .collect();
         let info = RunInfo {
             scene: self.name.clone(),
             title: scene.title.clone(),
@@ -504,16 +520,7 @@ impl Prepared {
                 .failure
                 .as_ref()
                 .map_or_else(String::new, |failure| chain(failure)),
-            evaluation: results::Evaluation {
-                time: (0..scene.pantographs.len())
-                    .map(|index| scene.evaluation_time(index))
-                    .collect(),
-                low_pass_hz: scene.run.low_pass_hz,
-                filter: scene.run.filter.into(),
-                bands_hz: scene.run.bands_hz.clone(),
-                output_step: scene.run.output_step,
-                speed: scene.run.speed,
-            },
+            evaluation,
             line: line_of(scene),
             assessment: scene.assessment.clone(),
             instrument: (scene.measurement.as_ref())
@@ -539,12 +546,7 @@ impl Prepared {
                 step_times: outcome.step_times.steps(),
                 shares: outcome.shares,
             },
-            notes: (self.notes(step).into_iter())
-                .chain(outcome.notes)
-                .chain(sliding_joint::remarks(scene, &record))
-                .chain(strip_overrun::remarks(scene, &record))
-                .chain(controlled::remarks(scene, &record))
-                .collect(),
+            notes,
         };
         let failure = outcome
             .failure

@@ -271,7 +271,7 @@ impl SteppedSystem {
             At::Strip(index) => self.points[0].strips[index],
             At::Uplift(index) => simulator.system.pantographs[index].uplift_force(),
             At::Input(index) => simulator.inputs()[index],
-            At::Command(index) => self.whole.channels[index].controller.given(),
+            At::Command(index) => self.whole.control.channels[index].controller.given(),
         }
     }
 
@@ -292,7 +292,7 @@ impl SteppedSystem {
                 inputs[index] = value;
                 simulator.set_inputs(&inputs);
             }
-            At::Command(index) => self.whole.channels[index].controller.give(value),
+            At::Command(index) => self.whole.control.channels[index].controller.give(value),
             At::Line(_) | At::Strip(_) => {}
         }
     }
@@ -308,7 +308,7 @@ impl SteppedSystem {
         state.uplift.extend(forces.map(vehicle::PantographModel::uplift_force));
         simulator.save(&mut state.simulator);
         state.controllers.clear();
-        state.controllers.extend(self.whole.controllers());
+        state.controllers.extend(self.whole.control.states());
     }
 
     /// Goes back, or on, to a kept state.
@@ -327,7 +327,7 @@ impl SteppedSystem {
         simulator.restore(&state.simulator)?;
         let whole = &mut simulator.system;
         whole.slackening.restart(whole.line.elongations());
-        self.whole.set_controllers(&state.controllers);
+        self.whole.control.set_states(&state.controllers);
         let point = &mut self.points[0];
         (point.t, point.from) = (state.t, state.t);
         point.line.clone_from(&state.outputs[0]);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::check::{assert_energy, assert_law, assert_tangent, awkward, dense, jacobian, tilted};
+use crate::check::{assert_driven, assert_energy, assert_law, assert_tangent, awkward, dense, jacobian, tilted};
 use dynamics::{Constraint, JacobianRows, Layout, Marker, State};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -189,6 +189,18 @@ fn the_tangent_of_a_dead_force_is_the_derivative_of_its_force() {
     };
     let state = awkward(&two.layout);
     assert_law(&mut load, &two.layout, &state);
+}
+
+#[test]
+fn the_tangent_and_the_power_of_a_drive_are_those_of_its_force() {
+    let two = two();
+    let Anchor::Body(marker) = two.anchor(1) else {
+        unreachable!()
+    };
+    let mut drive = DriveForce::new(marker, 1);
+    let (state, u) = (awkward(&two.layout), [0.0, 70.0]);
+    assert_tangent(&mut drive, &two.layout, &state, &u);
+    assert_driven(&mut drive, &state, &u);
 }
 
 #[test]

@@ -28,5 +28,5 @@ pub use linkage::Linkage;
 use lumped::HeadMarker;
 pub(crate) use lumped::Lumped;
 #[cfg(test)]
-use lumped::{ChainElement, ChainInertia};
+use lumped::{ChainDrive, ChainElement, ChainInertia, Foot};
 use reduced::{ReducedLinkage, ReducedPoint, ReducedStrip};

@@ -13,7 +13,7 @@ use system::equilibrium;
 
 use crate::scenes::text;
 use crate::zip::Archive;
-use crate::{SEEDS, caught, dice, kept, program_fault, thousands, unsaid, xml};
+use crate::{SEEDS, by_thousands, caught, dice, kept, program_fault, unsaid, xml};
 
 /// FMUs of a small line and of its pantograph.
 static PACKAGES: LazyLock<Vec<Package>> = LazyLock::new(|| {
@@ -187,10 +187,6 @@ fn changed_archives_are_inspected_or_refused_with_a_message() {
 #[test]
 #[ignore = "for hours: thousands of archives; ATTACK_SEED chooses others"]
 fn attack_by_archives() {
-    for seed in thousands() {
-        read(seed, 5_000);
-        println!("seed {seed}: 5000 archives read");
-        inspect(seed, 300);
-        println!("seed {seed}: 300 archives inspected");
-    }
+    by_thousands(read, 5_000, "archives read");
+    by_thousands(inspect, 300, "archives inspected");
 }

@@ -32,6 +32,14 @@ fn thousands() -> std::ops::Range<u64> {
     first..first + count
 }
 
+/// Attacks with `count` cases of each of these seeds, and says so.
+fn by_thousands(attack: fn(u64, usize), count: usize, what: &str) {
+    for seed in thousands() {
+        attack(seed, count);
+        println!("seed {seed}: {count} {what}");
+    }
+}
+
 /// Random numbers of one case, which can be made again alone.
 fn dice(seed: u64, number: usize) -> fastrand::Rng {
     fastrand::Rng::with_seed(seed << 32 | number as u64)

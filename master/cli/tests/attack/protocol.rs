@@ -14,7 +14,7 @@ use fmi2::import::Fmu;
 
 use crate::archives::whole;
 use crate::texts::change_bytes;
-use crate::{SEEDS, dice, kept, thousands};
+use crate::{SEEDS, by_thousands, dice, kept};
 
 /// Longest wall time of a call, which the child is told.
 const LIMIT: Duration = Duration::from_secs(20);
@@ -27,26 +27,17 @@ fn list(bytes: &mut Vec<u8>, count: usize, items: &[u8]) {
     bytes.extend(items);
 }
 
+fn words<const N: usize>(bytes: &mut Vec<u8>, words: impl ExactSizeIterator<Item = [u8; N]>) {
+    let count = words.len();
+    list(bytes, count, &words.flatten().collect::<Vec<_>>());
+}
+
 fn numbers(bytes: &mut Vec<u8>, numbers: &[u32]) {
-    list(
-        bytes,
-        numbers.len(),
-        &numbers
-            .iter()
-            .flat_map(|number| number.to_le_bytes())
-            .collect::<Vec<_>>(),
-    );
+    words(bytes, numbers.iter().map(|number| number.to_le_bytes()));
 }
 
 fn reals(bytes: &mut Vec<u8>, numbers: &[f64]) {
-    list(
-        bytes,
-        numbers.len(),
-        &numbers
-            .iter()
-            .flat_map(|number| number.to_le_bytes())
-            .collect::<Vec<_>>(),
-    );
+    words(bytes, numbers.iter().map(|number| number.to_le_bytes()));
 }
 
 fn greeting(fmu: &Fmu) -> Vec<u8> {
@@ -272,8 +263,5 @@ fn a_child_answers_changed_frames_or_ends_with_a_message() {
 #[test]
 #[ignore = "for hours: thousands of children; ATTACK_SEED chooses others"]
 fn attack_by_frames_to_a_child() {
-    for seed in thousands() {
-        attack(seed, 3_000);
-        println!("seed {seed}: 3000 children");
-    }
+    by_thousands(attack, 3_000, "children");
 }

@@ -7,7 +7,7 @@ use scene::{Files, Scene};
 use toml::{Table, Value};
 
 use crate::texts::change_bytes;
-use crate::{SEEDS, caught, kept, program_fault, thousands, unsaid};
+use crate::{SEEDS, by_thousands, caught, kept, program_fault, unsaid};
 
 /// Scenes that are changed, small ones among them.
 const SCENES: [&str; 8] = [
@@ -226,10 +226,6 @@ fn changed_scenes_are_solved_or_refused_with_a_message() {
 #[test]
 #[ignore = "for hours: thousands of scenes; ATTACK_SEED chooses others"]
 fn attack_by_scenes() {
-    for seed in thousands() {
-        read(seed, 20_000);
-        println!("seed {seed}: 20000 scenes read");
-        solve(seed, 500);
-        println!("seed {seed}: 500 scenes solved");
-    }
+    by_thousands(read, 20_000, "scenes read");
+    by_thousands(solve, 500, "scenes solved");
 }

@@ -12,7 +12,7 @@ use suppliers::ssp::{STRUCTURE_FILE, import};
 use crate::archives::escaped;
 use crate::scenes::scenes;
 use crate::zip::Archive;
-use crate::{SEEDS, caught, dice, kept, program_fault, thousands, unsaid, xml};
+use crate::{SEEDS, by_thousands, caught, dice, kept, program_fault, unsaid, xml};
 
 /// A line that runs in a fraction of a second.
 const SHORT: [&str; 4] = [
@@ -167,10 +167,6 @@ fn changed_systems_are_solved_or_refused_with_a_message() {
 #[test]
 #[ignore = "for hours: thousands of systems; ATTACK_SEED chooses others"]
 fn attack_by_systems() {
-    for seed in thousands() {
-        read(seed, 5_000);
-        println!("seed {seed}: 5000 systems read");
-        solve(seed, 200);
-        println!("seed {seed}: 200 systems solved");
-    }
+    by_thousands(read, 5_000, "systems read");
+    by_thousands(solve, 200, "systems solved");
 }

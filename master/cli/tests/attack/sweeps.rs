@@ -8,7 +8,7 @@ use sweep::{Base, Plan, Wishes};
 
 use crate::scenes::{changed, text};
 use crate::texts::{ODD, change_bytes};
-use crate::{SEEDS, caught, dice, kept, thousands, unsaid};
+use crate::{SEEDS, by_thousands, caught, dice, kept, unsaid};
 
 /// A file with something of everything.
 const FILE: &str = r#"
@@ -164,8 +164,5 @@ fn changed_files_of_sweeps_become_plans_or_are_refused_with_a_message() {
 #[test]
 #[ignore = "for hours: thousands of files; ATTACK_SEED chooses others"]
 fn attack_by_sweeps() {
-    for seed in thousands() {
-        read(seed, 20_000);
-        println!("seed {seed}: 20000 files of sweeps");
-    }
+    by_thousands(read, 20_000, "files of sweeps");
 }

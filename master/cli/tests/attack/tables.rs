@@ -5,7 +5,7 @@ use scene::{Files, Scene};
 
 use crate::scenes::{scenes, text};
 use crate::texts::{ODD, change_bytes};
-use crate::{SEEDS, caught, dice, kept, thousands, unsaid};
+use crate::{SEEDS, by_thousands, caught, dice, kept, unsaid};
 
 /// A scene with a table beside it.
 struct Base {
@@ -181,8 +181,5 @@ fn changed_tables_are_read_or_refused_with_a_message() {
 #[test]
 #[ignore = "for hours: thousands of tables; ATTACK_SEED chooses others"]
 fn attack_by_tables() {
-    for seed in thousands() {
-        read(seed, 20_000);
-        println!("seed {seed}: 20000 tables");
-    }
+    by_thousands(read, 20_000, "tables");
 }

@@ -1,9 +1,10 @@
 use super::Alone;
-use crate::check::{assert_law, awkward, force};
-use crate::multibody::AppliedForce;
-use crate::pantograph::{ChainElement, Lumped};
+use crate::check::{assert_driven, assert_law, assert_tangent, awkward, force, tilted};
+use crate::multibody::{Anchor, AppliedForce, BodyMarker, Pose};
+use crate::pantograph::{ChainDrive, ChainElement, Foot, Lumped};
 use crate::{PantographModel, Placement, VehicleError};
 use dynamics::{Force, GeneralizedAlpha, Layout, NewtonOptions, State};
+use nalgebra::{Matrix3, Vector3};
 
 /// EN 50318:2002, Annex A, without damping.
 fn en50318() -> scene::Lumped {
@@ -242,6 +243,25 @@ fn elements() -> (Layout, Vec<ChainElement>) {
     let mut rubbing = ChainElement::new(0, Some(1), 900.0, 30.0, 120.0);
     rubbing.friction = 4.0;
     (layout, vec![plain, pushing, rubbing])
+}
+
+#[test]
+fn the_tangent_and_the_power_of_a_chain_drive_are_those_of_its_force() {
+    let mut layout = Layout::new();
+    layout.add_coordinates(1, "mass");
+    let reference = Vector3::new(0.6, 0.1, 4.2);
+    let pose = Pose::new(Vector3::new(0.3, -0.2, 1.0), tilted(0.1), "carrier", &mut layout);
+    let foot = Anchor::Body(BodyMarker::at(pose, &tilted(0.1), &reference, &Matrix3::identity()));
+    let (state, u) = (awkward(&layout), [0.0, 70.0]);
+    for foot in [None, Some(Foot::new(foot, reference, 110.0))] {
+        let mut drive = ChainDrive {
+            coordinate: 0,
+            input: 1,
+            foot,
+        };
+        assert_tangent(&mut drive, &layout, &state, &u);
+        assert_driven(&mut drive, &state, &u);
+    }
 }
 
 #[test]
