@@ -2,7 +2,6 @@
 //!
 //! ```text
 //! folder      subject
-//! wire        a chain of elements with damping, inertia, bending layers and wind
 //! support     fastenings of the wires: supports, registration arms, tensioned ends
 //! dropper     unilateral ties between the two wires
 //! line        the whole line: in full, linearised, or as a window that follows the strips
@@ -33,30 +32,32 @@ mod line;
 mod statics;
 mod subsystem;
 mod support;
-mod wire;
 
-pub(crate) use ::ancf;
 pub use ::ancf::{
     AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
     CableSection, Coordinates, Tangent, beam_mass_matrix, beam_shape, mass_matrix,
 };
 pub use ::mesh;
 pub use ::mesh::{CorrectedSteps, load, load_with};
+pub use ::wire::{
+    Compliance, CurveColumn, CurveColumns, CurvePoint, Enrichment, LoadCorrection, NodeMap, Rayleigh, Wire, WireCurve,
+    WireDrag, WireGeometry, WireNode, WirePoint, WireSection,
+};
+pub(crate) use ::wire::{DirectorInertia, Directors, WireDirectors};
 pub use contact::{
-    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, CurveColumn,
-    CurveColumns, CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance,
-    RunningSurface, STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
+    ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, OnWire, PenaltyContact,
+    PrescribedStrip, ResidualCompliance, RunningSurface, STRIP_VALUES, Sensitivity, SlidingJoint, StripContact,
 };
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{
     BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
-    LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize, WindowedLine,
-    WireName, adopt_state, cache_folder, follow_strips,
+    LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindOnLine, WindowSize,
+    WindowedLine, WireName, adopt_state, cache_folder, follow_strips,
 };
 pub use statics::{
-    DropperAtRest, DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,
-    SupportReport, TensionReport, WireAtRest, gradients, non_uniformity,
+    BlowOffReport, DropperAtRest, DropperReport, ElasticityReport, EndReport, StaticAnswer, StaticLine, StaticsError,
+    StaticsReport, SupportReport, TensionReport, WireAtRest, gradients, non_uniformity,
 };
 pub use subsystem::{
     CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StaticsInputs, StripStart, Subsystem,
@@ -64,7 +65,3 @@ pub use subsystem::{
 };
 pub use support::{Anchor, Attachment, PointMasses, RegistrationArms, Supports};
 pub(crate) use support::{DeadLoad, LineEnd, LineEnds};
-pub(crate) use wire::{DirectorInertia, Directors, WireDirectors};
-pub use wire::{
-    Enrichment, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireNode, WirePoint, WireSection, WiresInWind,
-};

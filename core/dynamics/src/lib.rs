@@ -88,6 +88,6 @@ pub use random::SplitMix64;
 pub use resting_spline::RestingSpline;
 pub use system::{Continuity, PartVisitor, Stage, System};
 pub use wind::{
-    AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Gust, GustProfile, Polar, Turbulence,
-    TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,
+    AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Gust, GustProfile, Polar, SectionFlow,
+    SlenderFlow, Turbulence, TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError, galloping_speed,
 };

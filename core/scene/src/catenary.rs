@@ -6,7 +6,7 @@ use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::mesh::Mesh;
 use crate::plausible::LEAST_TENSION;
 use crate::tension_length::{Placed, from};
-use crate::{Change, PointMass, Section, StitchWires, Surface, TensionLength};
+use crate::{Change, PointMass, Section, StitchWires, Surface, TensionLength, Tensioning};
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Catenary {
     pub tension_lengths: Vec<TensionLength>,
     /// How the wires end.
     pub wire_ends: WireEnds,
+    /// `[catenary.tensioning]`; none for devices without friction and stops.
+    pub tensioning: Option<Tensioning>,
     /// How the static state is found.
     pub statics: Statics,
     /// Acceleration of gravity, m/s².
@@ -85,6 +87,8 @@ pub struct Wire {
     pub axial_stiffness: f64,
     /// `EI`, N·m²; 0 is a string.
     pub bending_stiffness: f64,
+    /// Outer diameter, m, where it is known.
+    pub diameter: Option<f64>,
     /// Tension above which the scene is refused, N.
     pub breaking_force: Option<f64>,
     /// Stiffnesses that a beam has beyond a cable; of the contact wire with `mesh.element = "beam"` only.
@@ -214,6 +218,7 @@ impl Catenary {
         Self {
             tension_lengths: vec![line],
             wire_ends: WireEnds::ConstantTension,
+            tensioning: None,
             statics: Statics::FormFinding,
             gravity: 9.81,
             contact_wire,
@@ -440,6 +445,7 @@ impl Wire {
             tension,
             axial_stiffness,
             bending_stiffness,
+            diameter: None,
             breaking_force: None,
             beam: None,
         }
@@ -472,6 +478,11 @@ impl Entry for Catenary {
         (
             "wire_ends",
             "Ends of both wires: sliding under the force of tensioning weights, or fixed.",
+        ),
+        (
+            "tensioning",
+            "Friction and stops of the tensioning devices, with `wire_ends = \"constant_tension\"`; left out, there are \
+             none.",
         ),
         (
             "statics",
@@ -534,6 +545,7 @@ impl Entry for Catenary {
             vec![keys.part(was.and_then(|line| line.tension_lengths.first()))]
         };
         let wire_ends = keys.word("wire_ends", was.map(|line| line.wire_ends), None);
+        let tensioning = keys.optional_inline_table("tensioning", was.map(|line| line.tensioning.as_ref()));
         let statics = keys.word("statics", was.map(|line| line.statics), None);
         let gravity = keys.number("gravity", was.map(|line| line.gravity), Number::positive("m/s²"));
         let contact_wire = keys.table("contact_wire", was.map(|line| &line.contact_wire));
@@ -562,6 +574,7 @@ impl Entry for Catenary {
         Self {
             tension_lengths,
             wire_ends,
+            tensioning,
             statics,
             gravity,
             contact_wire,
@@ -594,6 +607,7 @@ impl Entry for Wire {
         ("tension", "Horizontal tension in the static state."),
         ("axial_stiffness", "Axial stiffness `EA`."),
         ("bending_stiffness", "Bending stiffness `EI`; 0 is a string."),
+        ("diameter", "Outer diameter, for ice and wind."),
         ("breaking_force", "Tension above which the scene is refused."),
         (
             "beam",
@@ -622,6 +636,11 @@ impl Entry for Wire {
                 "bending_stiffness",
                 was.map(|wire| wire.bending_stiffness),
                 Number::not_negative("N m²"),
+            ),
+            diameter: keys.optional_number(
+                "diameter",
+                was.map(|wire| wire.diameter),
+                Number::positive("m").at_most(0.1),
             ),
             breaking_force: keys.optional_number(
                 "breaking_force",

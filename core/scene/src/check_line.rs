@@ -38,6 +38,8 @@ impl Catenary {
         self.check_several(found);
         self.check_overlaps(found);
         self.check_changes(found);
+        self.check_ice(found);
+        self.check_tensioning(found);
     }
 
     fn check_several(&self, found: &mut Found) {

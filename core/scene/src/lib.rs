@@ -50,6 +50,7 @@ mod error;
 mod expand;
 mod files;
 mod head;
+mod ice;
 mod keys;
 mod line_changes;
 mod linkage;
@@ -72,6 +73,7 @@ mod strips;
 mod supplied;
 mod table_file;
 mod tension_length;
+mod tensioning;
 mod track;
 mod tree;
 mod vehicle;
@@ -90,6 +92,7 @@ pub use division::Division;
 pub use error::{Place, Problem, SceneError, What};
 pub use files::Files;
 pub use head::{HeadPitch, HeadStrip, StripSpring};
+pub use ice::Ice;
 pub use line_changes::{Change, DropperChange, MassOn, PointMass, Surface};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
 pub use measurement::Measurement;
@@ -105,6 +108,7 @@ pub use solver::{Formulation, Jacobian, Solver};
 pub use stitch_wires::StitchWires;
 pub use supplied::{Connection, Offset, ParameterValue, Supplied};
 pub use tension_length::{MAX_SPANS, TensionLength};
+pub use tensioning::Tensioning;
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
 pub use vehicle::{
     Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
@@ -112,6 +116,6 @@ pub use vehicle::{
 };
 pub use wind::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
-    WindTableError, WindTurbulence,
+    WindTableError, WindTurbulence, WirePolar,
 };
 pub use write::shown_number;

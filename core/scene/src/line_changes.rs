@@ -6,18 +6,20 @@ use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, Sentences};
 use crate::write::shown_number;
-use crate::{Catenary, Statics};
+use crate::{Catenary, Ice, Statics};
 
 /// `[catenary.change]`: what happens to the erected line, all unstressed lengths kept; the line runs in the equilibrium
 /// that follows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
-    /// Temperature above that of the erection, K.
-    pub temperature: f64,
+    /// Temperatures above that of the erection that the line went through in turn, K; the line runs at the last one.
+    pub temperature: Vec<f64>,
     /// Linear thermal expansion of the wires, 1/K.
     pub thermal_expansion: f64,
     /// Ice on each wire, kg/m.
     pub ice_per_length: f64,
+    /// `[catenary.change.ice]`: ice by its thickness, in place of that.
+    pub ice: Option<Ice>,
     /// Droppers that are not as they were found or given.
     pub droppers: Vec<DropperChange>,
 }
@@ -138,17 +140,22 @@ const MOST: usize = 5000;
 
 impl Entry for Change {
     const SENTENCES: Sentences = &[
-        ("temperature", "Temperature above that of the erection."),
+        (
+            "temperature",
+            "Temperature above that of the erection, or those that the line went through in turn, the last one that of \
+             the run: with friction of the tensioning devices the way there matters.",
+        ),
         ("thermal_expansion", "Linear thermal expansion of the wires."),
         ("ice_per_length", "Ice on each wire."),
+        ("ice", "Ice by its thickness, in place of `ice_per_length`."),
         ("dropper", "Droppers that are missing, too long or too short."),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            temperature: keys.number(
+            temperature: keys.one_or_more(
                 "temperature",
-                was.map(|change| change.temperature),
+                was.map(|change| change.temperature.as_slice()),
                 Number::any("K").default(0.0),
             ),
             thermal_expansion: keys.number(
@@ -161,6 +168,7 @@ impl Entry for Change {
                 was.map(|change| change.ice_per_length),
                 Number::not_negative("kg/m").default(0.0),
             ),
+            ice: keys.optional_inline_table("ice", was.map(|change| change.ice.as_ref())),
             droppers: keys.any_tables("dropper", was.map(|change| change.droppers.as_slice())),
         }
     }

@@ -127,13 +127,34 @@ pub struct WindSurface {
     pub marker_file: Option<String>,
 }
 
-/// `wind.wires`: drag across the wires. Droppers and registration arms feel no wind.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// `wind.wires`: drag across the wires, the droppers and the registration arms.
+#[derive(Clone, Debug, PartialEq)]
 pub struct WindOnWires {
     /// `C_D` by the diameter, –.
     pub drag_coefficient: f64,
-    /// m.
-    pub contact_wire_diameter: f64,
-    /// m.
-    pub messenger_wire_diameter: f64,
+    /// m; none where the wire has its diameter itself.
+    pub contact_wire_diameter: Option<f64>,
+    /// m; none where the wire has its diameter itself.
+    pub messenger_wire_diameter: Option<f64>,
+    /// m; none where the wire has its diameter itself or is as thick as the messenger wire.
+    pub stitch_wire_diameter: Option<f64>,
+    /// m; none: the droppers feel no wind.
+    pub dropper_diameter: Option<f64>,
+    /// `C_D A` of a registration arm, m².
+    pub registration_arm_drag_area: f64,
+    /// Drag and lift of the contact wire by angle of attack, in place of the drag coefficient.
+    pub contact_wire_polar: Option<WirePolar>,
+    /// The same of the messenger wire.
+    pub messenger_wire_polar: Option<WirePolar>,
+}
+
+/// `wind.wires.contact_wire_polar` or `messenger_wire_polar`: coefficients of a worn or iced wire, by its diameter with the ice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WirePolar {
+    /// Angles of attack, degrees, ascending: 0 from the side, positive from below.
+    pub angles_deg: Vec<f64>,
+    /// `C_D` at each angle.
+    pub drag: Vec<f64>,
+    /// `C_L` at each angle, positive upwards.
+    pub lift: Vec<f64>,
 }

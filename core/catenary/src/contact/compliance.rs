@@ -1,20 +1,12 @@
 //! Residual compliance: flexibility of a wire under a moving point force that its mesh lacks.
 use crate::{
-    AxialLaw, BendingLaw, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry, WireSection,
+    AxialLaw, BendingLaw, Compliance, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry,
+    WireSection,
 };
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Compliance of one point of a wire and its derivative along the wire.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Compliance {
-    /// m/N, not negative.
-    pub value: f64,
-    /// 1/N.
-    pub slope: f64,
-}
 
 /// Residual compliance of a wire under a transverse point force that moves along it with the speed `v`: the deflection
 /// under the force that the coordinates of the mesh cannot take.

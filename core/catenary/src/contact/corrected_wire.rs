@@ -1,5 +1,6 @@
 //! A wire with corrections for its mesh and for the time step under strips.
-use super::{Compliance, LoadCorrection, ResidualCompliance, RunningSurface};
+use super::{ResidualCompliance, RunningSurface};
+use crate::{Compliance, LoadCorrection};
 use crate::{CurveColumns, CurvePoint, WireCurve, WireGeometry};
 use std::sync::Arc;
 

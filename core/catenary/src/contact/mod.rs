@@ -2,7 +2,6 @@
 //!
 //! ```text
 //! file            subject
-//! wire_curve      the contact wire as contact sees it
 //! corrected_wire  a wire with the corrections of its mesh and of the time step
 //! compliance      deflection under a strip that the mesh lacks
 //! moving_load     force that a corrected inertia asks for under a moving strip
@@ -30,13 +29,11 @@ mod state;
 mod strip;
 mod surface;
 mod total;
-mod wire_curve;
 
-pub use compliance::{Compliance, ResidualCompliance};
+pub use compliance::ResidualCompliance;
 pub use corrected_wire::CorrectedWire;
 pub use geometry::ContactGeometry;
 pub use law::PenaltyContact;
-pub use moving_load::LoadCorrection;
 pub use on_wire::{OnWire, StripContact};
 pub use pair::{ContactPair, ContactTangent};
 pub use sliding_joint::SlidingJoint;
@@ -44,4 +41,3 @@ pub use state::{ContactState, Sensitivity};
 pub use strip::{PrescribedStrip, STRIP_INPUTS, STRIP_VALUES};
 pub use surface::RunningSurface;
 pub use total::ContactTotal;
-pub use wire_curve::{CurveColumn, CurveColumns, CurvePoint, WireCurve};

@@ -1,40 +1,9 @@
 //! A force that moves along a wire whose inertia is corrected for the time step.
 use super::ContactGeometry;
 use super::state::slide;
-use crate::{CurveColumns, WireCurve};
+use crate::{CurveColumns, LoadCorrection, WireCurve};
 use dynamics::Frame;
 use dynamics::unilateral::next_of;
-
-/// Correction of forces that move along a wire whose inertia is corrected for the time step `h`.
-///
-/// In steps of `h` the integrator replaces `d²/dt²` by the operator `D² (1 − ε D²)`, `ε = κ h²`, `D` the time
-/// derivative, to this order. The corrected mass `M − ε K` turns the equation of a wire under the nodal forces `φ`,
-/// without terms of the order of `ε²`, into
-///
-/// ```text
-/// (M − ε K) D² (1 − ε D²) q + K q = (1 − ε D²) (M D² q + K q) = φ
-/// ```
-///
-/// The result is the equation of the wire if `φ` too is `1 − ε D²` of the true nodal forces, as in the method of
-/// Numerov. At a node that the strip runs past, the force changes fast, however slowly the contact force does: a
-/// contact force of 20 Hz that moves at two thirds of the speed of the waves sends out waves of 60 Hz. The nodal forces
-/// of a contact force `F` at `s` are therefore
-///
-/// ```text
-/// N(s) F − κ (N(s + ṡh) (F + Ḟh) − 2 N(s) F + N(s − ṡh) (F − Ḟh)) = N F − ε (N,ₛₛ ṡ² F + 2 N,ₛ ṡ Ḟ)
-/// ```
-///
-/// The second part has no resultant. The correction is found once per step, with `F` continued in a straight line
-/// through the ends of the last two, so that the tangent stays unchanged. `N F̈` is left out: its error `ε F̈` is that
-/// of a force at rest, small ahead of a moving strip and of the size of the uncorrected error behind it. Derived here;
-/// tested by `a_moving_force_is_corrected_with_the_mass`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoadCorrection {
-    /// `h`, s.
-    pub step: f64,
-    /// `κ`, –; 1/6 of the trapezoidal rule.
-    pub kappa: f64,
-}
 
 /// Fraction of the time step of the correction: the rate between two forces closer than this is lost in rounding.
 const APART: f64 = 1e-3;

@@ -1,5 +1,6 @@
 //! The contact at one instant and its derivatives.
-use super::{Compliance, ContactGeometry, PenaltyContact};
+use super::{ContactGeometry, PenaltyContact};
+use crate::Compliance;
 use crate::UnilateralStep;
 use dynamics::{Frame, Weights};
 use nalgebra::Vector3;

@@ -1,6 +1,7 @@
 //! A line with constant matrices and unilateral droppers.
+use super::AirOnLine;
 use crate::{
-    Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve, WireDrag,
+    Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve,
 };
 use dynamics::LinearForce;
 use dynamics::unilateral::{restore_step, save_step};
@@ -199,8 +200,8 @@ pub struct LinearLine {
     force: LinearForce,
     droppers: LinearDroppers,
     contact_wires: Vec<Arc<dyn WireCurve>>,
-    /// Drag of the wires in the wind, nonlinear as on [`Line`].
-    drag: Vec<WireDrag>,
+    /// Forces of the air, nonlinear as on [`Line`].
+    air: AirOnLine,
     /// Line whose positions of wires, supports and droppers are drawn; its forces are not used.
     shape: Option<Line>,
 }
@@ -214,7 +215,7 @@ impl LinearLine {
             force,
             droppers,
             contact_wires,
-            drag: Vec::new(),
+            air: AirOnLine::default(),
             shape: None,
         }
     }
@@ -233,7 +234,7 @@ impl LinearLine {
     /// taut dropper is part of `K`. Wind on the wires acts as on the line itself.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
-        let drag = line.take_drag();
+        let air = line.take_air();
         let mut linear = Linear::at_rest(line, layout);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
@@ -272,7 +273,7 @@ impl LinearLine {
         let linear = linear
             .with(LinearDroppers::new(law, droppers), curves(line), layout)
             .with_shape(line.clone());
-        Self { drag, ..linear }
+        Self { air, ..linear }
     }
 
     /// Flat model of two-dimensional programs: straight wires of constant tension with small slopes that move only
@@ -354,9 +355,7 @@ impl LinearLine {
         }
         visit("wires", &mut self.force);
         visit("droppers", &mut self.droppers);
-        for drag in &mut self.drag {
-            visit("wind_wires", drag);
-        }
+        self.air.parts(visit);
     }
 
     /// Visits every contribution, in the order of [`LinearLine::parts`].

@@ -8,24 +8,32 @@
 //! coordinates   coordinates of the wires
 //! curve_pull    pull of curved track on the wires
 //! nonlinear     the line in full: wires, droppers, supports, arms, ends
+//! beam          directors of a contact wire of beams
+//! in_wind       the wind of a scene on a line
+//! parts_in_wind droppers and registration arms in the wind
 //! linear        constant matrices with unilateral droppers
 //! modal         the linearised line in its own modes
 //! uplift        uplift of the contact wires at the masts
 //! window        the line in full around the strips, condensed elsewhere
 //! ```
+mod beam;
 mod coordinates;
 mod curve_pull;
+mod in_wind;
 mod linear;
 mod modal;
 mod nonlinear;
 mod options;
 mod overhead;
+mod parts_in_wind;
 mod topology;
 mod uplift;
 pub(crate) mod window;
 
 pub(crate) use coordinates::WireCoordinates;
 pub(crate) use curve_pull::curve_pull;
+pub(crate) use in_wind::AirOnLine;
+pub use in_wind::WindOnLine;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
 pub use modal::{ModalLine, cache_folder};
 pub use nonlinear::{DropperSample, Line};

@@ -1,12 +1,12 @@
 //! The nonlinear overhead line as a list of contributions.
 
-use super::{EndsOfWire, PlannedWire, Uplift, WireCoordinates, curve_pull};
-use crate::wire::contact_wire_directors;
+use super::beam::contact_wire_directors;
+use super::{AirOnLine, EndsOfWire, PlannedWire, Uplift, WireCoordinates, curve_pull};
 use crate::{
     Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, DeadLoad, Directors, Dropper, DropperLaw, Droppers,
     Enrichment, LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, NodeOfWire, PointMasses, Rayleigh,
-    RegistrationArms, ResidualCompliance, RunningSurface, Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag,
-    WireGeometry, WireName, WireNode, WireSection, WiresInWind,
+    RegistrationArms, ResidualCompliance, RunningSurface, Supports, Topology, WindOnLine, Wire, WireCurve,
+    WireDirectors, WireGeometry, WireName, WireNode, WireSection,
 };
 use dynamics::{Force, Motion, PartVisitor};
 use nalgebra::Vector3;
@@ -100,8 +100,8 @@ pub struct Line {
     surfaces: Vec<Arc<RunningSurface>>,
     /// Correction of the forces of strips that belongs to the corrected inertia of the contact wire.
     load: Option<LoadCorrection>,
-    /// Drag of the wires; empty without wind.
-    drag: Vec<WireDrag>,
+    /// Forces of the air; none without wind.
+    air: AirOnLine,
 }
 
 impl Line {
@@ -180,7 +180,7 @@ impl Line {
             contact_wires: topology.contact_wires().collect(),
             surfaces,
             load: None,
-            drag: Vec::new(),
+            air: AirOnLine::default(),
             topology: Arc::clone(topology),
             directors,
             wires,
@@ -221,19 +221,21 @@ impl Line {
         self
     }
 
-    /// Lets the wind act on all wires, or nothing.
+    /// Lets the wind act on wires, droppers and arms, or nothing.
     #[must_use]
-    pub fn in_wind(mut self, wind: Option<&WiresInWind>) -> Self {
-        let wires = self.topology.wires().iter().zip(&self.wires);
-        self.drag = wind.map_or_else(Vec::new, |wind| {
-            wires.map(|(planned, wire)| wind.on(planned.name, wire)).collect()
-        });
+    pub fn in_wind(mut self, wind: Option<&WindOnLine>) -> Self {
+        self.air = wind.map_or_else(AirOnLine::default, |wind| wind.on(&self));
         self
     }
 
-    /// Removes the wind from the wires.
-    pub(crate) fn take_drag(&mut self) -> Vec<WireDrag> {
-        std::mem::take(&mut self.drag)
+    /// Pulls at a sliding end with the coordinate `index` along the track by `force`, N.
+    pub(crate) fn pull_end(&mut self, index: usize, force: f64) {
+        self.ends.pull(index, force);
+    }
+
+    /// Removes the forces of the air.
+    pub(crate) fn take_air(&mut self) -> AirOnLine {
+        std::mem::take(&mut self.air)
     }
 
     /// Visits every contribution with the name of its part, always in the same order.
@@ -245,9 +247,7 @@ impl Line {
             visit("wires", directors);
         }
         self.attachments(visit);
-        for drag in &mut self.drag {
-            visit("wind_wires", drag);
-        }
+        self.air.parts(visit);
     }
 
     /// Visits every contribution, in the order of [`Line::parts`].

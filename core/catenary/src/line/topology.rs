@@ -29,6 +29,16 @@ impl WireName {
             Self::StitchWire => "stitch_wire",
         }
     }
+
+    /// Kind of the wire in a scene.
+    #[must_use]
+    pub fn kind(self) -> scene::WireKind {
+        match self {
+            Self::ContactWire => scene::WireKind::Contact,
+            Self::MessengerWire => scene::WireKind::Messenger,
+            Self::StitchWire => scene::WireKind::Stitch,
+        }
+    }
 }
 
 /// A node of one of the wires of a line, both counted from 0.
@@ -512,10 +522,10 @@ impl Topology {
     }
 
     /// Line with other wires at the same nodes.
-    pub(crate) fn with_parameters(&self, change: impl Fn(&scene::Wire) -> scene::Wire) -> Self {
+    pub(crate) fn with_parameters(&self, change: impl Fn(&PlannedWire) -> scene::Wire) -> Self {
         let mut changed = self.clone();
         for wire in &mut changed.wires {
-            wire.parameters = change(&wire.parameters);
+            wire.parameters = change(wire);
         }
         changed
     }

@@ -76,6 +76,15 @@ pub enum StaticsError {
         /// `breaking_force` of the scene, N.
         limit: f64,
     },
+    /// Ends under tensioning devices come to no rest.
+    #[error(
+        "the ends of the wires come to no rest at catenary.change.temperature = {temperature} K above the erection; \
+         catenary.tensioning.friction may be too small a part of the changes, or the steps between temperatures too large"
+    )]
+    EndsDoNotSettle {
+        /// Temperature above that of the erection, K.
+        temperature: f64,
+    },
     /// A point asked for is not on the line.
     #[error("x = {x} m is not on the line, which reaches from 0 to {length} m")]
     BesideTheLine {

@@ -4,13 +4,16 @@
 //! file                subject
 //! form_finding        contact wire held at its heights; lengths follow
 //! nodal_displacement  lengths given; shape follows
+//! blow_off            the contact wire in a steady wind
 //! change              temperature, ice and wrong droppers after the erection
 //! directors           a contact wire of beams, from one of cables
 //! repeat              long lines, from short ones
 //! drawing             places of the parts at rest, for drawings
+//! tensioned_ends      friction and stops of the tensioning devices
 //! report              figures of the static state, with the names of the result files
 //! error               errors of statics
 //! ```
+mod blow_off;
 mod change;
 mod directors;
 mod drawing;
@@ -20,19 +23,21 @@ mod load;
 mod nodal_displacement;
 mod repeat;
 mod report;
+mod tensioned_ends;
 
+pub use blow_off::BlowOffReport;
 pub use drawing::{DropperAtRest, WireAtRest};
 pub use error::StaticsError;
 pub(crate) use repeat::Repeat;
 pub use report::{
-    DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
+    DropperReport, ElasticityReport, EndReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
 };
 
 use crate::line::Equilibrium;
 use crate::line::window::{Cells, Source};
 use crate::{
     CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
-    WireGeometry, WireName, WiresInWind,
+    WindOnLine, WireGeometry, WireName,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use nalgebra::Vector3;
@@ -109,7 +114,7 @@ pub struct StaticLine {
     /// Residual compliance of each contact wire under strips at rest; empty without.
     at_rest: Vec<Option<Arc<ResidualCompliance>>>,
     /// Wind on the wires; the static state itself is without wind.
-    wind: Option<WiresInWind>,
+    wind: Option<WindOnLine>,
     report: StaticsReport,
 }
 
@@ -136,11 +141,23 @@ impl StaticLine {
         if catenary.mesh.element == scene::Element::Beam {
             iterations += directors::turn_into_beam(catenary, &topology, &mut equilibrium)?;
         }
+        let mut ends = Vec::new();
+        let mut held = catenary.tensioning.is_some_and(|device| device.friction > 0.0);
         if let Some(change) = &catenary.change {
-            let (changed, at_rest, more) = change::change((catenary, &topology), &equilibrium, change)?;
-            (topology, equilibrium) = (changed, at_rest);
-            iterations += more;
+            let changed = change::change((catenary, &topology), &equilibrium, change)?;
+            (topology, equilibrium) = (changed.topology, changed.equilibrium);
+            iterations += changed.iterations;
+            (ends, held) = (changed.ends, held || changed.held);
         }
+        // Ends that friction or a stop holds stay where they are while pantographs pass.
+        let catenary = &Catenary {
+            wire_ends: if held {
+                scene::WireEnds::Fixed
+            } else {
+                catenary.wire_ends
+            },
+            ..catenary.clone()
+        };
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
         topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
@@ -172,7 +189,10 @@ impl StaticLine {
             equilibrium,
             report: StaticsReport::default(),
         };
-        line.report = line.found(iterations);
+        line.report = StaticsReport {
+            ends,
+            ..line.found(iterations)
+        };
         line.check_strength()?;
         Ok(line)
     }
@@ -181,7 +201,7 @@ impl StaticLine {
     /// The static state itself, its report and the elasticity stay those without wind: all coordinates zero is the line
     /// at rest in still air.
     #[must_use]
-    pub fn in_wind(mut self, wind: Option<WiresInWind>) -> Self {
+    pub fn in_wind(mut self, wind: Option<WindOnLine>) -> Self {
         self.wind = wind;
         self
     }
@@ -472,6 +492,7 @@ impl StaticLine {
             droppers: droppers.collect(),
             supports,
             elasticity: Vec::new(),
+            ends: Vec::new(),
             tension: TensionReport {
                 contact_wire: horizontal(WireName::ContactWire),
                 messenger_wire: horizontal(WireName::MessengerWire),

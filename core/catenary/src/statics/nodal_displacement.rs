@@ -74,18 +74,20 @@ pub(super) fn displace_ends(
             }
         }
     }
-    settle((catenary, topology), &start, system, state)
+    let line = |equilibrium: &Equilibrium| Line::new(catenary, topology, equilibrium, 0);
+    settle(topology, &start, system, state, &line)
 }
 
 /// Lets a line come to rest from `state`: its equilibrium, and the number of Newton iterations.
 ///
 /// The first round finds the state; further rounds, with the found state as the reference, remove the small forces of
-/// the springs at sliding ends.
+/// the springs at sliding ends. `line` makes the line of an equilibrium.
 pub(super) fn settle(
-    (catenary, topology): (&Catenary, &Arc<Topology>),
+    topology: &Topology,
     start: &Equilibrium,
     mut system: Standalone,
     mut state: State,
+    line: &dyn Fn(&Equilibrium) -> Line,
 ) -> Result<(Equilibrium, usize), StaticsError> {
     let options = options(500, topology);
     let mut equilibrium = start.clone();
@@ -94,7 +96,7 @@ pub(super) fn settle(
         iterations += solve_static(&mut system, &mut state, &[], &options)?.iterations;
         let moved = state.q.iter().fold(0.0_f64, |max, q| max.max(q.abs()));
         equilibrium = taken_as_reference(&equilibrium, &system.line, &state);
-        system.line = Line::new(catenary, topology, &equilibrium, 0);
+        system.line = line(&equilibrium);
         state = system.layout.state_at_rest();
         if moved < SETTLED {
             break;

@@ -71,7 +71,9 @@ impl StaticLine {
     /// See [`StaticsError`].
     pub fn solve_long(catenary: &Catenary, options: LineOptions, together: usize) -> Result<Self, StaticsError> {
         let (spans, cycle) = (catenary.spans(), catenary.first().stagger.len());
-        let uniform = catenary.is_uniform();
+        // A stop depends on the length of the whole line.
+        let stops = catenary.tensioning.is_some_and(|device| device.travel.is_some());
+        let uniform = catenary.is_uniform() && !stops;
         let mut known = KNOWN.max(2 * MARGIN + 2 * cycle + together);
         // The last support keeps its phase of the stagger.
         known += spans.saturating_sub(known) % cycle;
@@ -165,7 +167,15 @@ impl StaticLine {
     fn repeated(&self, found: &StaticsReport) -> StaticsReport {
         let repeat = &self.repeat;
         let per_span = self.catenary.droppers.positions[0].len();
+        let longer = self.whole.length() / self.catenary.length();
+        let ends = found.ends.iter().map(|end| super::EndReport {
+            x: if end.x > 0.0 { self.whole.length() } else { end.x },
+            travel: end.travel * longer,
+            weights: end.weights * longer,
+            ..end.clone()
+        });
         let mut report = StaticsReport {
+            ends: ends.collect(),
             droppers: Vec::new(),
             supports: Vec::new(),
             ..found.clone()

@@ -43,8 +43,34 @@ pub struct StaticsReport {
     pub supports: Vec<SupportReport>,
     /// Elasticity, ordered by x.
     pub elasticity: Vec<ElasticityReport>,
+    /// Ends under tensioning devices after a change; empty without a change, or with fixed ends.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ends: Vec<EndReport>,
     /// Horizontal tension at the last end.
     pub tension: TensionReport,
+}
+
+/// One end of a wire under its tensioning device.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndReport {
+    /// Tension length, counted from 1.
+    pub tension_length: usize,
+    /// The wire.
+    pub wire: WireName,
+    /// Position along the track at the erection, m.
+    #[serde(rename = "x_m")]
+    pub x: f64,
+    /// Way of the end outward since the erection, m.
+    #[serde(rename = "travel_m")]
+    pub travel: f64,
+    /// Way of the weights downward since the erection, m.
+    #[serde(rename = "weights_travel_m")]
+    pub weights: f64,
+    /// Horizontal tension of the wire, N.
+    #[serde(rename = "tension_N")]
+    pub tension: f64,
+    /// What holds the end: "weights", "friction" or "stop".
+    pub held_by: String,
 }
 
 /// One dropper in the static state.

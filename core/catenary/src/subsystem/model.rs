@@ -2,8 +2,8 @@
 use crate::contact::STRIP_VALUES;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, ModalLine,
-    OverheadLine, PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine,
-    WiresInWind, adopt_state, follow_strips,
+    OverheadLine, PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindOnLine,
+    WindowedLine, adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{Catenary, ContactLaw, Correction, Reduction, Scene};
@@ -149,7 +149,7 @@ impl StaticsInputs {
             catenary: catenary.clone(),
             options,
             together: windowed.then(|| WindowedLine::most_spans(scene, catenary)),
-            in_wind: !windowed && WiresInWind::of_scene(scene).is_some(),
+            in_wind: !windowed && WindOnLine::of_scene(scene).is_some(),
         })
     }
 
@@ -169,7 +169,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     if let Some(together) = inputs.together {
         return Ok(StaticLine::solve_long(&inputs.catenary, inputs.options, together)?);
     }
-    Ok(StaticLine::solve(&inputs.catenary, inputs.options)?.in_wind(WiresInWind::of_scene(scene)))
+    Ok(StaticLine::solve(&inputs.catenary, inputs.options)?.in_wind(WindOnLine::of_scene(scene)))
 }
 
 /// Line that a scene runs with, from a solved static state, its coordinates added to `layout`: all zero is the static

@@ -91,7 +91,12 @@ impl Attachment {
     }
 }
 
-fn add_block<const N: usize>(nodes: [(&Attachment, f64); N], matrix: &Matrix3<f64>, blocks: &mut Blocks<'_>) {
+/// Adds a 3 × 3 matrix on the sum of the displacements of nodes, each with a factor.
+pub(crate) fn add_block<const N: usize>(
+    nodes: [(&Attachment, f64); N],
+    matrix: &Matrix3<f64>,
+    blocks: &mut Blocks<'_>,
+) {
     let (mut indices, mut axes, mut count) = ([0; 6], [(0, 0.0); 6], 0);
     for (node, sign) in nodes {
         for (index, axis) in node.columns() {

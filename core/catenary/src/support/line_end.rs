@@ -33,6 +33,12 @@ impl LineEnds {
     pub fn new(ends: Vec<LineEnd>) -> Self {
         Self { ends }
     }
+
+    /// Changes the force on the end with this coordinate, N.
+    pub fn pull(&mut self, index: usize, force: f64) {
+        let end = self.ends.iter_mut().find(|end| end.index == index);
+        end.expect("the end slides").force = force;
+    }
 }
 
 impl Force for LineEnds {

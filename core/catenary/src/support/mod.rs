@@ -20,6 +20,7 @@ mod registration_arm;
 
 pub use anchor::Anchor;
 pub use attachment::Attachment;
+pub(crate) use attachment::add_block;
 pub(crate) use dead_load::DeadLoad;
 pub(crate) use line_end::HOLDING_STIFFNESS;
 pub use line_end::{LineEnd, LineEnds};

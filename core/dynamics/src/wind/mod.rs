@@ -20,7 +20,10 @@ mod record;
 mod spectrum;
 mod turbulence;
 
-pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
+pub use aerodynamic::{
+    AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar, SectionFlow, SlenderFlow,
+    galloping_speed,
+};
 pub use gust::{Gust, GustProfile};
 pub use record::{WindRecord, WindRecordError};
 pub use spectrum::TurbulenceSpectrum;

@@ -1,8 +1,9 @@
 //! Checks of a wind against the rest of the scene.
-use super::{Wind, WindOnPantograph, WindTurbulence};
+use super::{Wind, WindOnPantograph, WindOnWires, WindTurbulence};
 use crate::check::{Found, refuse};
+use crate::error::What;
 use crate::write::shown_number;
-use crate::{Line, PantographModel, Reduction, Scene};
+use crate::{Catenary, Line, PantographModel, Reduction, Scene, WireKind};
 
 /// Most numbers that a field of turbulence is tabulated in, steps times places.
 const LARGEST_TABLE: usize = 4_000_000;
@@ -11,7 +12,7 @@ impl Scene {
     /// Part of the wind that pushes the wires sideways; `None` where nothing does.
     pub(crate) fn wind_pushes_sideways(&self) -> Option<String> {
         let wind = self.wind.as_ref()?;
-        wind.wires?;
+        wind.wires.as_ref()?;
         let mean = wind.mean_velocity();
         // A wind of ±180° misses the track's line by rounding.
         if mean[1].abs() > 1e-12 * wind.speed {
@@ -48,8 +49,46 @@ impl Scene {
             let expected = "must be left out: the line is a supplied FMU";
             refuse(found, "wind.wires", "{ … }", expected);
         }
+        if let (Some(wires), Line::Modelled(line)) = (&wind.wires, &self.catenary) {
+            self.check_wires_in_wind(wires, line, found);
+        }
         if let Some(on_pantograph) = &wind.pantograph {
             self.check_wind_on_pantograph(on_pantograph, found);
+        }
+    }
+
+    fn check_wires_in_wind(&self, wires: &WindOnWires, line: &Catenary, found: &mut Found) {
+        let kinds = [
+            (WireKind::Contact, "contact_wire", true),
+            (WireKind::Messenger, "messenger_wire", line.messenger_wire.is_some()),
+        ];
+        for (kind, name, there) in kinds {
+            if there && self.diameter_in_wind(kind).is_none() {
+                let expected = format!("the diameter in m, here or as catenary.{name}.diameter");
+                found.push((format!("wind.wires.{name}_diameter"), What::Missing { expected }));
+            }
+            let Some(polar) = wires.polar(kind) else { continue };
+            let key = format!("wind.wires.{name}_polar");
+            if !there {
+                let because = "the line has no messenger_wire".to_owned();
+                found.push((key, What::LeaveOut { because }));
+                continue;
+            }
+            let (first, last) = (polar.angles_deg[0], polar.angles_deg[polar.angles_deg.len() - 1]);
+            for angle in self.angles_of_the_wind() {
+                if !(first..=last).contains(&angle) {
+                    let expected = format!(
+                        "must hold {angle:.1}°, the angle of attack of the wind: the table ends at {first}° and {last}°"
+                    );
+                    refuse(
+                        found,
+                        format!("{key}.angles_deg"),
+                        format!("{:?}°", polar.angles_deg),
+                        expected,
+                    );
+                    break;
+                }
+            }
         }
     }
 
@@ -135,7 +174,7 @@ impl Scene {
 
     /// Why a reduction cannot be had with the wind on the wires.
     pub(crate) fn wind_forbids(&self, reduction: Reduction) -> Option<String> {
-        self.wind.as_ref()?.wires?;
+        self.wind.as_ref()?.wires.as_ref()?;
         match reduction {
             Reduction::Window => Some(
                 "wind.wires acts on every span, and those beyond the window are known without wind only".to_owned(),

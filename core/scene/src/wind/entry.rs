@@ -1,6 +1,7 @@
 //! The keys of `[wind]`.
 use super::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSurface, WindTurbulence,
+    WirePolar,
 };
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, Sentences};
@@ -27,7 +28,7 @@ impl Entry for Wind {
             "Rows of such a file: time, vx, vy, vz and, for several places, x.",
         ),
         ("pantograph", "Action of the air on pantographs; without it none."),
-        ("wires", "Drag on contact and messenger wire; without it none."),
+        ("wires", "Action of the air on the wires; without it none."),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -296,28 +297,107 @@ impl Entry for WindSurface {
 
 impl Entry for WindOnWires {
     const SENTENCES: Sentences = &[
-        ("drag_coefficient", "Drag coefficient by the diameter."),
-        ("contact_wire_diameter", "Diameter of the contact wire."),
-        ("messenger_wire_diameter", "Diameter of the messenger wire."),
+        (
+            "drag_coefficient",
+            "Drag coefficient of wires and droppers by the diameter.",
+        ),
+        (
+            "contact_wire_diameter",
+            "Diameter of the contact wire; left out, that of `catenary.contact_wire`.",
+        ),
+        (
+            "messenger_wire_diameter",
+            "Diameter of the messenger wire; left out, that of `catenary.messenger_wire`.",
+        ),
+        (
+            "stitch_wire_diameter",
+            "Diameter of the stitch wires; left out, that of `catenary.stitch_wires`, or else that of the messenger wire.",
+        ),
+        (
+            "dropper_diameter",
+            "Diameter of the droppers; left out, they feel no wind.",
+        ),
+        (
+            "registration_arm_drag_area",
+            "Drag coefficient times area of a registration arm.",
+        ),
+        (
+            "contact_wire_polar",
+            "Drag and lift of a contact wire that is worn or bears ice, in place of the drag coefficient.",
+        ),
+        (
+            "messenger_wire_polar",
+            "Drag and lift of a messenger wire that bears ice, in place of the drag coefficient.",
+        ),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let mut diameter =
+            |name: &str, was: Option<Option<f64>>| keys.optional_number(name, was, Number::positive("m"));
+        let contact_wire_diameter = diameter("contact_wire_diameter", was.map(|wires| wires.contact_wire_diameter));
+        let messenger_wire_diameter = diameter(
+            "messenger_wire_diameter",
+            was.map(|wires| wires.messenger_wire_diameter),
+        );
+        let stitch_wire_diameter = diameter("stitch_wire_diameter", was.map(|wires| wires.stitch_wire_diameter));
+        let dropper_diameter = diameter("dropper_diameter", was.map(|wires| wires.dropper_diameter));
         Self {
             drag_coefficient: keys.number(
                 "drag_coefficient",
                 was.map(|wires| wires.drag_coefficient),
                 Number::not_negative(""),
             ),
-            contact_wire_diameter: keys.number(
-                "contact_wire_diameter",
-                was.map(|wires| wires.contact_wire_diameter),
-                Number::positive("m"),
+            contact_wire_diameter,
+            messenger_wire_diameter,
+            stitch_wire_diameter,
+            dropper_diameter,
+            registration_arm_drag_area: keys.number(
+                "registration_arm_drag_area",
+                was.map(|wires| wires.registration_arm_drag_area),
+                Number::not_negative("m²").default(0.0),
             ),
-            messenger_wire_diameter: keys.number(
-                "messenger_wire_diameter",
-                was.map(|wires| wires.messenger_wire_diameter),
-                Number::positive("m"),
+            contact_wire_polar: keys
+                .optional_inline_table("contact_wire_polar", was.map(|wires| wires.contact_wire_polar.as_ref())),
+            messenger_wire_polar: keys.optional_inline_table(
+                "messenger_wire_polar",
+                was.map(|wires| wires.messenger_wire_polar.as_ref()),
             ),
         }
+    }
+}
+
+impl Entry for WirePolar {
+    const SENTENCES: Sentences = &[
+        (
+            "angles_deg",
+            "Angles of attack of the coefficients, ascending: 0 from the side, positive from below.",
+        ),
+        ("drag", "Drag coefficient by the diameter with the ice, one per angle."),
+        ("lift", "Lift coefficient likewise, positive upwards."),
+    ];
+
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let angles_deg = keys.numbers(
+            "angles_deg",
+            was.map(|polar| polar.angles_deg.as_slice()),
+            Number::between(-90.0, 90.0),
+            Length::NotEmpty,
+        );
+        if !angles_deg.windows(2).all(|pair| pair[0] < pair[1]) || angles_deg.len() == 1 {
+            keys.refuse("angles_deg", "must ascend, with at least two angles");
+        }
+        let drag = keys.numbers(
+            "drag",
+            was.map(|polar| polar.drag.as_slice()),
+            Number::not_negative(""),
+            Length::Exactly(angles_deg.len()),
+        );
+        let lift = keys.numbers(
+            "lift",
+            was.map(|polar| polar.lift.as_slice()),
+            Number::any(""),
+            Length::Exactly(angles_deg.len()),
+        );
+        Self { angles_deg, drag, lift }
     }
 }

@@ -1,6 +1,6 @@
 //! The wind of a scene as a field.
 use super::{GustExtent, Wind, WindSpectrum, WindTurbulence};
-use crate::{Line, Scene};
+use crate::{Line, Scene, WireKind};
 use dynamics::{Gust, GustProfile, Polar, Turbulence, TurbulenceOptions, TurbulenceSpectrum, WindRecord};
 
 impl Wind {
@@ -9,6 +9,57 @@ impl Wind {
     pub fn mean_velocity(&self) -> [f64; 3] {
         let (sine, cosine) = self.yaw_deg.to_radians().sin_cos();
         [-self.speed * cosine, -self.speed * sine, 0.0]
+    }
+}
+
+impl super::WirePolar {
+    /// Coefficients by angle of attack.
+    #[must_use]
+    pub fn polar(&self) -> Polar {
+        let angles = self.angles_deg.iter().map(|angle| angle.to_radians()).collect();
+        Polar::table(angles, self.drag.clone(), self.lift.clone())
+    }
+}
+
+impl super::WindOnWires {
+    /// Drag and lift of a wire by angle of attack; none for one with a drag coefficient alone.
+    #[must_use]
+    pub fn polar(&self, wire: WireKind) -> Option<&super::WirePolar> {
+        match wire {
+            WireKind::Contact => self.contact_wire_polar.as_ref(),
+            WireKind::Messenger => self.messenger_wire_polar.as_ref(),
+            WireKind::Stitch => None,
+        }
+    }
+}
+
+impl Scene {
+    /// Diameter of a wire in the wind, ice included, m; none where the scene has none, or no wind on wires.
+    #[must_use]
+    pub fn diameter_in_wind(&self, wire: WireKind) -> Option<f64> {
+        let wires = self.wind.as_ref()?.wires.as_ref()?;
+        let (line, _) = self.modelled_line()?;
+        let own = match wire {
+            WireKind::Contact => wires.contact_wire_diameter,
+            WireKind::Messenger => wires.messenger_wire_diameter,
+            WireKind::Stitch => wires.stitch_wire_diameter,
+        };
+        let bare = own.or_else(|| line.diameter(wire)).or_else(|| {
+            let as_messenger = (wire == WireKind::Stitch).then_some(WireKind::Messenger)?;
+            wires.messenger_wire_diameter.or_else(|| line.diameter(as_messenger))
+        })?;
+        let ice = line.change.as_ref().and_then(|change| change.ice);
+        Some(bare + ice.map_or(0.0, |ice| 2.0 * ice.thickness(wire)))
+    }
+
+    /// Angles of attack of the mean wind, and of the wind at the peak of a gust, on a wire along the track, degrees.
+    pub(crate) fn angles_of_the_wind(&self) -> Vec<f64> {
+        let Some(wind) = &self.wind else { return Vec::new() };
+        let [_, y, z] = wind.mean_velocity();
+        let peak = wind.gust.map(|gust| [y + gust.velocity[1], z + gust.velocity[2]]);
+        let winds = [Some([y, z]), peak].into_iter().flatten();
+        let across = winds.filter(|[y, z]| y.hypot(*z) > 1e-9);
+        across.map(|[y, z]| z.atan2(y.abs()).to_degrees()).collect()
     }
 }
 

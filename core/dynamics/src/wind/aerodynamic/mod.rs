@@ -18,17 +18,20 @@
 //! | --- | --- |
 //! | `polar` | drag and lift coefficients by angle of attack |
 //! | `cross_flow` | drag of a slender cylinder across its axis |
+//! | `section` | drag and lift of a slender body that is not round; galloping |
 //!
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
 //!   at Chicago, 2016.
 mod cross_flow;
 mod polar;
+mod section;
 #[cfg(test)]
 mod tests;
 
 pub use cross_flow::CrossFlow;
 pub use polar::Polar;
+pub use section::{SectionFlow, SlenderFlow, galloping_speed};
 
 use crate::rotation::skew;
 use crate::{Blocks, Column, Columns, Force, Marker, Motion, Power, Weights, Wind};

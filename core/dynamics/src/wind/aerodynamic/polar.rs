@@ -37,8 +37,15 @@ impl Polar {
         Self { angles, drag, lift }
     }
 
-    /// `C_D A` and `C_L A` at an angle (rad).
-    fn at(&self, angle: f64) -> [Coefficient; 2] {
+    /// Smallest and largest angle, rad; none for constant coefficients.
+    #[must_use]
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let (first, last) = (self.angles.first()?, self.angles.last()?);
+        (first < last).then_some((*first, *last))
+    }
+
+    /// `C_D A` and `C_L A` at an angle (rad), each with its slope; of coefficients by width the same per width.
+    pub(super) fn at(&self, angle: f64) -> [Coefficient; 2] {
         let after = self.angles.partition_point(|entry| *entry <= angle);
         let ends = after == 0 || after == self.angles.len();
         [&self.drag, &self.lift].map(|values| {

@@ -232,3 +232,66 @@ fn a_cylinder_feels_the_air_across_its_axis_only() {
         assert!((exact.column(l) - difference).amax() < 1e-10); // rounding 1e-15/h
     }
 }
+
+/// Section whose coefficients have slopes.
+fn section() -> SectionFlow {
+    let degrees = [-60.0_f64, -20.0, 10.0, 40.0, 80.0];
+    let angles = degrees.iter().map(|angle| angle.to_radians()).collect();
+    let polar = Polar::table(angles, vec![1.5, 1.1, 0.9, 1.4, 2.0], vec![-0.3, 0.8, -0.6, -0.9, 0.2]);
+    SectionFlow::new(DENSITY, 0.03, polar)
+}
+
+#[test]
+fn drag_of_a_section_is_along_the_air_and_its_lift_upwards_from_either_side() {
+    let flat = SectionFlow::new(DENSITY, 0.03, Polar::constant(1.2, 0.5));
+    let half = 0.5 * DENSITY * 0.03;
+    for side in [1.0, -1.0] {
+        // Air along (0, 3, 4)/5 lifts along (0, −4, 3)/5, or its mirror image; that along the axis is without effect.
+        let f = flat.force(&Vector3::new(7.0, 6.0 * side, 8.0), &(Vector3::x() * 2.0));
+        let expected = Vector3::new(0.0, 0.6 * side, 0.8) * 1.2 + Vector3::new(0.0, -0.8 * side, 0.6) * 0.5;
+        assert!((f - expected * (half * 100.0)).amax() < 1e-14, "{f}"); // rounding
+        assert_eq!(flat.force(&(Vector3::y() * side), &Vector3::z()), Vector3::zeros());
+    }
+    // Without lift and slopes it is the round cylinder.
+    let round = CrossFlow::new(DENSITY, 1.2, 0.03);
+    let alike = SectionFlow::new(DENSITY, 0.03, Polar::constant(1.2, 0.0));
+    let (v_r, axis) = (Vector3::new(3.0, -20.0, 5.0), Vector3::new(1.0, 0.1, -0.05));
+    assert!((round.force(&v_r, &axis) - alike.force(&v_r, &axis)).amax() < 1e-14); // rounding
+    assert!((round.by_velocity(&v_r, &axis) - alike.by_velocity(&v_r, &axis)).amax() < 1e-14); // rounding
+}
+
+#[test]
+fn the_derivative_of_a_section_is_that_of_its_force() {
+    let section = section();
+    let h = 1e-5;
+    for v_r in [
+        Vector3::new(3.0, -20.0, 5.0),
+        Vector3::new(0.0, 9.0, -7.0),
+        Vector3::new(1.0, 2.0, 6.0),
+    ] {
+        let axis = Vector3::new(1.0, 0.1, -0.05);
+        let exact = section.by_velocity(&v_r, &axis);
+        for l in 0..3 {
+            let side = |h: f64| section.force(&(v_r + Vector3::ith(l, h)), &axis);
+            let difference = (side(h) - side(-h)) / (2.0 * h);
+            assert!((exact.column(l) - difference).amax() < 1e-9, "{v_r}"); // rounding 1e-15/h
+        }
+    }
+}
+
+#[test]
+fn air_about_a_section_damps_up_and_down_motion_by_drag_and_the_slope_of_the_lift() {
+    // An edge at 0 whose sides have the slopes −2 and −4 by the angle.
+    let polar = Polar::table(vec![-0.5, 0.0, 0.5], vec![1.2; 3], vec![1.0, 0.0, -2.0]);
+    let section = SectionFlow::new(DENSITY, 0.03, polar);
+    let wind = Vector3::new(0.0, -12.0, 0.0);
+    let damping = section.damping(&wind, &Vector3::x());
+    let half = 0.5 * DENSITY * 0.03 * 12.0;
+    // 1e-6 of the width of the table: the derivative is taken beside the edge.
+    assert!((damping.m22 - half * (1.2 - 3.0)).abs() < 1e-5 * half);
+    assert!((damping.m11 - half * 2.4).abs() < 1e-5 * half);
+    let speed = galloping_speed(2.0, 0.05, DENSITY, 0.03, 1.2 - 3.0).unwrap();
+    let per_speed = damping.m22 / 12.0;
+    assert!((2.0 * 0.05 + per_speed * speed).abs() < 1e-5, "{speed}");
+    assert_eq!(galloping_speed(2.0, 0.05, DENSITY, 0.03, 0.1), None);
+}

@@ -1,6 +1,6 @@
-use super::super::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WireSection};
 use super::*;
-use crate::ancf::{AxialLaw, BendingLaw, Cable, Coordinates};
+use crate::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WireSection};
+use ancf::{AxialLaw, BendingLaw, Cable, Coordinates};
 use dynamics::{Blocks, ByRange, Force, OnePass};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! The tangent of the elements.
 use super::{BLOCK, Block, ElementGroup, GroupLanes, Sweep, TangentGroup, Transpose};
-use crate::ancf::{CableSection, EvenMatrix};
+use ancf::{CableSection, EvenMatrix};
 use dynamics::simd::{GROUP, Lanes};
 use dynamics::{Blocks, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};

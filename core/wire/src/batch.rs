@@ -6,7 +6,7 @@ use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
 use super::rows::NodeRows;
-use crate::ancf::{CableSection, EvenMatrix, Length, Slopes};
+use ancf::{CableSection, EvenMatrix, Length, Slopes};
 use dynamics::simd::{Components, GROUP, Lanes, Space, Transpose};
 use dynamics::{Blocks, Motion, Weights};
 use nalgebra::Vector3;

@@ -2,7 +2,7 @@
 use super::*;
 use crate::NodeMap;
 use dynamics::testing::{LawTrio, plain_layout, tangent};
-use dynamics::{ByRange, OnePass, State};
+use dynamics::{ByRange, CrossFlow, OnePass, Polar, SectionFlow, State};
 
 const LENGTHS: [f64; 4] = [3.0, 2.5, 4.0, 1.5];
 
@@ -106,4 +106,25 @@ fn power_brought_in_less_power_lost_is_that_of_the_force() {
     let expected: f64 = force.iter().zip(&state.v).map(|(q, v)| q * v).sum();
     let power = Force::power(&drag, &motion).unwrap();
     assert!((power.driven - power.dissipated - expected).abs() < 1e-12 * power.driven.abs().max(1.0)); // rounding
+}
+
+#[test]
+fn a_wire_with_lift_has_the_tangent_of_its_force_and_is_pushed_up_by_air_from_the_side() {
+    let polar = Polar::table(vec![-1.5, 0.2, 1.5], vec![1.1, 1.3, 0.9], vec![-0.4, 0.7, 0.2]);
+    let law = SectionFlow::new(1.225, 0.03, polar);
+    let wind = Arc::new(Wind::uniform(Vector3::new(-20.0, 15.0, 2.0)));
+    let mut drag = WireDrag::new(geometry(true), law.clone(), wind);
+    let trio = LawTrio {
+        v_step: 1e-5,
+        tolerance: 1e-8,
+        ..LawTrio::default()
+    };
+    trio.assert_damping(&mut drag, &plain_layout(30), &moving(), &[]);
+    let rest = State::at_rest(30, 0, Vec::new());
+    let mut force = vec![0.0; 30];
+    drag.add_force(&rest.motion(&[]), &mut force);
+    let up: f64 = (0..5).map(|node| force[6 * node + 2]).sum();
+    // The straight wire along x sees 11 m of the same air.
+    let expected = law.force(&Vector3::new(-20.0, 15.0, 2.0), &Vector3::x()).z * 11.0;
+    assert!((up - expected).abs() < 1e-12 * expected.abs());
 }

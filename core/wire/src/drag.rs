@@ -3,18 +3,18 @@ use super::force::add_selected;
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
 use super::rows::NodeRows;
-use crate::ancf::ShapeFunctions;
+use ancf::ShapeFunctions;
 use dynamics::simd::{GROUP, Transpose};
-use dynamics::{Blocks, ByRange, CrossFlow, Force, Motion, OnePass, Power, Weights, Wind};
+use dynamics::{Blocks, ByRange, Force, Motion, OnePass, Power, SlenderFlow, Weights, Wind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, WithSimd};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Drag across a wire in the wind.
+/// Drag across a wire in the wind, and lift where its law has one.
 ///
 /// ```text
-/// Q_i = ∫ s_i(x) f(W − ṙ, r,ₓ) dx    by three Gauss points per element, exact up to degree 5; f: [CrossFlow]
+/// Q_i = ∫ s_i(x) f(W − ṙ, r,ₓ) dx    by three Gauss points per element, exact up to degree 5; f: [SlenderFlow]
 /// ```
 ///
 /// The wind is evaluated at the rest positions of the nodes and interpolated linearly between them, once per instant:
@@ -22,7 +22,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct WireDrag {
     geometry: Arc<WireGeometry>,
-    law: CrossFlow,
+    law: SlenderFlow,
     wind: Arc<Wind>,
     everywhere: bool,
     /// Wind at the nodes at `time` (s), m/s, component by component, padded for the last group.
@@ -88,7 +88,7 @@ struct Local {
 impl WireDrag {
     /// Drag of `wind` on the wire along `geometry`.
     #[must_use]
-    pub fn new(geometry: Arc<WireGeometry>, law: CrossFlow, wind: Arc<Wind>) -> Self {
+    pub fn new(geometry: Arc<WireGeometry>, law: impl Into<SlenderFlow>, wind: Arc<Wind>) -> Self {
         let points = geometry.lengths().iter().map(|&length| {
             GAUSS.map(|(xi, weight)| Point {
                 xi,
@@ -134,7 +134,7 @@ impl WireDrag {
                 rows: NodeRows::ZERO,
             }),
             geometry,
-            law,
+            law: law.into(),
             wind,
         }
     }
@@ -267,7 +267,7 @@ fn lanes(values: &[f64], first: usize) -> [f64; GROUP] {
 
 /// Writes the drag on the elements of a group, whose first node is at the place `first` of the block.
 #[inline(always)]
-fn add_group(law: &CrossFlow, group: &DragGroup, first: usize, wind: [&[f64]; 3], block: &mut Block) {
+fn add_group(law: &SlenderFlow, group: &DragGroup, first: usize, wind: [&[f64]; 3], block: &mut Block) {
     let mut sums = [[[0.0; GROUP]; 3]; 4];
     for (k, (at, _)) in GAUSS.iter().enumerate() {
         let (s, s_x) = (&group.s[k], &group.s_x[k]);

@@ -3,9 +3,7 @@ use super::batch::Batch;
 use super::enrichment::Products;
 use super::geometry::WireGeometry;
 use super::layer::Layers;
-use crate::ancf::{
-    AxialLaw, BendingLaw, CableSection, Length, Slopes, Tangent, bending_matrix, mass_matrix, tension_matrix,
-};
+use ancf::{AxialLaw, BendingLaw, CableSection, Length, Slopes, Tangent, bending_matrix, mass_matrix, tension_matrix};
 use dynamics::{Blocks, ByRange, Force, Motion, OnePass, Weights};
 use nalgebra::Matrix4;
 use std::ops::Range;
@@ -198,7 +196,7 @@ impl Wire {
 
     /// Wire without bending stiffness, for bending by other contributions.
     #[must_use]
-    pub(crate) fn without_bending(&self) -> Self {
+    pub fn without_bending(&self) -> Self {
         let section = WireSection {
             bending_stiffness: 0.0,
             ..self.section
@@ -217,7 +215,7 @@ impl Wire {
     /// Linearised wire: strain linear in the displacements from the reference, no strain force there; none if the laws
     /// are not in closed form.
     #[must_use]
-    pub(crate) fn linearised(&self) -> Option<Self> {
+    pub fn linearised(&self) -> Option<Self> {
         self.constants.cable.is_beam().then(|| {
             let mut wire = self.clone();
             wire.linear = true;

@@ -4,7 +4,7 @@ use scene::Catenary;
 
 /// The directors of the contact wire: round, so that it bends alike in all directions, with the material's own
 /// stiffness of the cross-section.
-pub(crate) fn contact_wire_directors(
+pub(super) fn contact_wire_directors(
     catenary: &Catenary,
     beam: &scene::Beam,
     geometry: &WireGeometry,

@@ -1,8 +1,8 @@
 //! Geometry of a wire: nodes, element lengths, and the curve between them.
 use super::enrichment::{End, Enrichment, Layer};
 use super::node::{NodeMap, WireNode};
-use crate::ancf::ShapeFunctions;
 use crate::{CurveColumns, CurvePoint, WireCurve};
+use ancf::ShapeFunctions;
 use nalgebra::{Vector3, Vector4};
 
 /// Reference and coordinates of a wire; immutable and shared by all that touch the wire.

@@ -1,6 +1,6 @@
 //! Unknown at a point of attachment for the bending layer that cubic elements of metres cannot follow.
 use super::geometry::Location;
-use crate::ancf::ShapeFunctions;
+use ancf::ShapeFunctions;
 use nalgebra::{Vector3, Vector4};
 
 /// An unknown `a` (–) at a node at which a part pulls at the wire:
@@ -173,7 +173,7 @@ fn quadrature(bending_length: f64, length: f64, mut add: impl FnMut(&Location, f
         if width <= 0.0 {
             continue;
         }
-        for (xi, weight) in crate::ancf::FIVE_POINTS {
+        for (xi, weight) in ancf::FIVE_POINTS {
             let x = border[0] + xi * width;
             let location = Location {
                 element: 0,

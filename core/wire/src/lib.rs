@@ -1,7 +1,9 @@
-//! A wire: a chain of cable elements in the coordinates of a system.
+//! A wire of an overhead line: a chain of cable elements in the coordinates of a system, with damping, inertia, bending
+//! layers and the force of the air.
 //!
 //! ```text
 //! file        subject
+//! curve       a wire as contact sees it
 //! geometry    nodes, elements and the curve between them
 //! node        coordinates of a node
 //! point       position, gradients and velocity at a point
@@ -12,12 +14,12 @@
 //! enrichment  unknown of a bending layer at an attachment
 //! layer       forces of the bending layers
 //! directors   two directors per node: beam elements
-//! beam        the directors of a scene's contact wire
 //! drag        force of the wind on a wire
-//! wind        the wind of a scene on both wires
 //! ```
+#![forbid(unsafe_code)]
+
 mod batch;
-mod beam;
+mod curve;
 mod directors;
 mod drag;
 mod enrichment;
@@ -30,9 +32,8 @@ mod point;
 mod rows;
 #[cfg(test)]
 mod tests;
-mod wind;
 
-pub(crate) use beam::contact_wire_directors;
+pub use curve::{Compliance, CurveColumn, CurveColumns, CurvePoint, LoadCorrection, WireCurve};
 pub use directors::{DirectorInertia, Directors, WireDirectors};
 pub use drag::WireDrag;
 pub use enrichment::Enrichment;
@@ -40,4 +41,3 @@ pub use force::{Rayleigh, Wire, WireSection};
 pub use geometry::WireGeometry;
 pub use node::{NodeMap, WireNode};
 pub use point::WirePoint;
-pub use wind::WiresInWind;

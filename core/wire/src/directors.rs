@@ -1,6 +1,6 @@
 //! Directors: two per node turn a wire of cable elements into one of beam elements.
 use super::geometry::WireGeometry;
-use crate::ancf::{BeamCoordinates, BeamInertia, BeamSection, BeamTangent, beam_mass_matrix};
+use ancf::{BeamCoordinates, BeamInertia, BeamSection, BeamTangent, beam_mass_matrix};
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -201,8 +201,8 @@ impl Force for WireDirectors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ancf::BeamStiffness;
-    use crate::wire::NodeMap;
+    use crate::NodeMap;
+    use ancf::BeamStiffness;
     use dynamics::State;
     use dynamics::testing::{LawTrio, plain_layout};
 
