@@ -39,6 +39,7 @@ mod supplied_matrix;
 mod supplied_together;
 mod time_loop;
 mod vehicle;
+mod weather;
 mod wind;
 mod windowed_lines;
 mod wire_coordinates;

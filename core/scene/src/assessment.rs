@@ -87,6 +87,8 @@ choice! {
         Gradient = "gradient",
         /// Change of it at a support, ‰.
         GradientChange = "gradient_change",
+        /// Lateral position of the contact wire in the wind, m.
+        LateralDeviation = "lateral_deviation",
     }
     unavailable: []
 }
@@ -158,7 +160,11 @@ impl LimitedQuantity {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Mean | Self::MeanLower | Self::Std | Self::Max | Self::Min => "N",
-            Self::Uplift | Self::FreeUplift | Self::VerticalAmplitude | Self::ControlSection => "m",
+            Self::Uplift
+            | Self::FreeUplift
+            | Self::VerticalAmplitude
+            | Self::ControlSection
+            | Self::LateralDeviation => "m",
             Self::Arcing => "%",
             Self::SpeedRatio => "–",
             Self::Band | Self::SamplingRate => "Hz",

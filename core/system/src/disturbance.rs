@@ -1,5 +1,6 @@
 //! Disturbances put on a run to test its stability: moved strips, discarded and repeated steps, a start out of
 //! equilibrium.
+use catenary::{Line, WireName};
 
 /// One smooth ramp of a [`Lift`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +47,30 @@ pub struct Discards {
 pub struct Deflection {
     /// m.
     pub amplitude: f64,
+}
+
+impl Deflection {
+    /// Writes the shape into the vertical coordinates of a line.
+    pub fn write(&self, line: &Line, q: &mut [f64]) {
+        let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
+        let supports = line.topology().supports().into_iter();
+        let supports: Vec<f64> = supports.map(|node| contact_wire[node].position.x).collect();
+        for node in line.wires().iter().flat_map(|wire| wire.geometry().nodes()) {
+            let x = node.position.x;
+            let span = supports
+                .partition_point(|support| *support <= x)
+                .clamp(1, supports.len() - 1);
+            let (from, to) = (supports[span - 1], supports[span]);
+            let sign = if span % 2 == 1 { self.amplitude } else { -self.amplitude };
+            let wave = std::f64::consts::PI / (to - from);
+            if let Some(index) = node.map.position(2) {
+                q[index] = sign * (wave * (x - from)).sin();
+            }
+            if let Some(index) = node.map.slope(2) {
+                q[index] = sign * wave * (wave * (x - from)).cos();
+            }
+        }
+    }
 }
 
 /// Kind of disturbance of a run.

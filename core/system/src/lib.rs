@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `equilibrium` | state at t = 0: heights and forces at which both sides are at rest |
 //! | `one_system` | line, pantographs and contacts under one integrator, in a run or step by step |
+//! | `galloping` | the line alone in a steady wind that feeds its motion |
 //! | `run` | schedule, outcome, and the time loop of one system |
 //! | `disturbance` | disturbances put on a run to test its stability |
 //! | `step_times` | wall times of macro steps, and their pace in real time |
@@ -13,6 +14,7 @@
 
 pub mod disturbance;
 pub mod equilibrium;
+pub mod galloping;
 pub mod one_system;
 pub mod picture;
 pub mod run;

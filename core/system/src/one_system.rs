@@ -4,7 +4,7 @@ pub mod stepped;
 mod whole;
 
 use catenary::{
-    CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, WireName, scene_line, strip_contact,
+    CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, scene_line, strip_contact,
 };
 use control::{Channel, ControllerState, Ended};
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
@@ -17,7 +17,7 @@ use component::{Frame, Point, Share, Work};
 
 use self::whole::Whole;
 use crate::ENERGY_SHARE;
-use crate::disturbance::{Disturbance, Lifted};
+use crate::disturbance::{Deflection, Disturbance, Lifted};
 use crate::picture;
 use crate::time_shares::{self, Profile};
 
@@ -288,30 +288,7 @@ impl OneSystem {
         let Some(line) = self.simulator.system.line.shape() else {
             return Ok(());
         };
-        let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
-        let topology = line.topology();
-        let supports: Vec<f64> = topology
-            .supports()
-            .iter()
-            .map(|&node| contact_wire[node].position.x)
-            .collect();
-        for wire in line.wires() {
-            for node in wire.geometry().nodes() {
-                let x = node.position.x;
-                let span = supports
-                    .partition_point(|support| *support <= x)
-                    .clamp(1, supports.len() - 1);
-                let (from, to) = (supports[span - 1], supports[span]);
-                let sign = if span % 2 == 1 { amplitude } else { -amplitude };
-                let wave = std::f64::consts::PI / (to - from);
-                if let Some(index) = node.map.position(2) {
-                    state.q[index] = sign * (wave * (x - from)).sin();
-                }
-                if let Some(index) = node.map.slope(2) {
-                    state.q[index] = sign * wave * (wave * (x - from)).cos();
-                }
-            }
-        }
+        Deflection { amplitude }.write(line, &mut state.q);
         self.simulator.set_state(state);
         self.simulator.start_accelerations().map_err(OneSystemError::Start)
     }

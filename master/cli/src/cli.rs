@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::command::{self, CommandError, latency, run, sensitivity, study, sweep, validate};
+use crate::command::{self, CommandError, galloping, latency, run, sensitivity, study, sweep, validate};
 use experiments::compare;
 use fmi2::isolation;
 
@@ -102,6 +102,9 @@ enum Command {
     /// Runs a scene at the pace of real time: how long its steps take, and how many end late
     #[command(after_help = EXIT_STATUS)]
     Latency(latency::LatencyArguments),
+    /// Lets the line of a scene gallop in a steady wind: critical speed, growth and limit cycle, without pantographs
+    #[command(after_help = EXIT_STATUS)]
+    Galloping(galloping::GallopingArguments),
     /// Solves the statics of a scene, says what will be modelled and draws the line
     #[command(after_help = EXIT_STATUS)]
     Check {
@@ -228,6 +231,7 @@ pub fn main() -> ExitCode {
         Command::Study(arguments) => study::study(&arguments, &common),
         Command::Sweep(arguments) => sweep::sweep(&arguments, &common),
         Command::Sensitivity(arguments) => sensitivity::sensitivity(&arguments, &common),
+        Command::Galloping(arguments) => galloping::galloping(&arguments, &common),
         Command::Latency(arguments) => latency::latency(&arguments, &common),
         Command::Reproduce {
             what: Publication::Thesis,

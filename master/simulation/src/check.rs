@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use catenary::StaticsReport;
+use catenary::{BlowOffReport, StaticsReport};
 use serde::Serialize;
 
 use crate::{Other, Prepared, SetupError, evaluated_spans, line_of};
@@ -10,6 +10,7 @@ use crate::{check_page, strip_overrun};
 use results::Model;
 use results::standards::{Limit, limits_at_rest};
 use scene::{Catenary, Scene};
+use system::galloping::{Criterion, criteria};
 
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -20,6 +21,12 @@ pub struct Report {
     pub model: Model,
     /// Waves on the contact wire; nothing of a supplied line.
     pub waves: Option<Waves>,
+    /// Contact wire in the mean wind, span by span; empty without wind on the wires.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub blow_off: Vec<BlowOffReport>,
+    /// Wires that may gallop; empty without tables of drag and lift.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub galloping: Vec<Criterion>,
     /// Limits that the line at rest is held against; none for a supplied line.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub limits: Vec<Limit>,
@@ -75,8 +82,18 @@ fn strips_at_start(scene: &Scene, index: usize) -> Vec<StartReport> {
     starts.collect()
 }
 
+/// Largest lateral position of the contact wire in the mean wind in the evaluated spans, m, with the width of the
+/// narrowest strip, m; none without wind on the wires.
+fn lateral_deviation(scene: &Scene, blow_off: &[BlowOffReport]) -> Option<(f64, Option<f64>)> {
+    let (first, last) = evaluated_spans(scene);
+    let spans = blow_off.iter().filter(|report| (first..=last).contains(&report.span));
+    let largest = spans.map(|report| report.lateral.abs()).reduce(f64::max)?;
+    let widths = scene.pantographs.iter().filter_map(scene::Pantograph::strip_width);
+    Some((largest, widths.reduce(f64::min)))
+}
+
 /// Limits of the line at rest.
-fn limits_of(scene: &Scene, line: &Catenary, statics: &StaticsReport) -> Vec<Limit> {
+fn limits_of(scene: &Scene, line: &Catenary, statics: &StaticsReport, blow_off: &[BlowOffReport]) -> Vec<Limit> {
     let slopes = check_page::used_gradients(line, statics);
     let gradient = slopes.iter().filter_map(|(gradient, _)| *gradient).map(f64::abs);
     let change = slopes.iter().filter_map(|(_, change)| *change).map(f64::abs);
@@ -85,6 +102,7 @@ fn limits_of(scene: &Scene, line: &Catenary, statics: &StaticsReport) -> Vec<Lim
         &line_of(scene),
         (scene.run.speed, scene.pantographs.len()),
         (gradient, change),
+        lateral_deviation(scene, blow_off),
         &scene.assessment,
     )
 }
@@ -122,12 +140,18 @@ impl Report {
                 strips: strips_at_start(scene, index),
             })
         });
+        let blow_off = match &prepared.statics {
+            Some(line) => line.blow_off().map_err(catenary::CatenaryError::from)?,
+            None => Vec::new(),
+        };
         let limits = match (&statics, scene.modelled_line()) {
-            (Some(statics), Some((line, _))) => limits_of(scene, line, statics),
+            (Some(statics), Some((line, _))) => limits_of(scene, line, statics, &blow_off),
             _ => Vec::new(),
         };
         Ok(Self {
             limits,
+            blow_off,
+            galloping: criteria(scene),
             statics,
             model: prepared.model(),
             waves,
@@ -207,6 +231,31 @@ impl Report {
         Ok(())
     }
 
+    /// The line in the mean wind.
+    fn write_wind(&self, length: &dyn Fn(usize) -> String, head: &str, out: &mut String) -> std::fmt::Result {
+        if !self.blow_off.is_empty() {
+            writeln!(
+                out,
+                "\ncontact wire in the mean wind\n{head}  span        x [m]   lateral position [m]   displaced by [m]"
+            )?;
+        }
+        for span in &self.blow_off {
+            writeln!(
+                out,
+                "{}  {:4} {:12.3} {:22.4} {:18.4}",
+                length(span.tension_length),
+                span.span,
+                span.x,
+                span.lateral,
+                span.displacement
+            )?;
+        }
+        for line in crate::galloping::criteria_in_words(&self.galloping) {
+            writeln!(out, "  galloping: {line}")?;
+        }
+        Ok(())
+    }
+
     fn write_statics(&self, statics: &StaticsReport, scene: &Scene, out: &mut String) -> std::fmt::Result {
         let (first, last) = evaluated_spans(scene);
         writeln!(
@@ -274,6 +323,27 @@ impl Report {
                 support.contact_wire_z
             )?;
         }
+        if !statics.ends.is_empty() {
+            writeln!(
+                out,
+                "\nends of the wires after the change\n{head}     x [m]   wire             travel [m]   weights [m]   \
+                 tension [N]   held by"
+            )?;
+        }
+        for end in &statics.ends {
+            writeln!(
+                out,
+                "{}{:10.3}   {:14} {:12.4} {:13.4} {:13.1}   {}",
+                length(end.tension_length),
+                end.x,
+                end.wire.kind().words(),
+                end.travel,
+                end.weights,
+                end.tension,
+                end.held_by
+            )?;
+        }
+        self.write_wind(&length, head, out)?;
         writeln!(out, "\nelasticity under 100 N\n     x [m]   rise [mm/N]")?;
         for point in &statics.elasticity {
             writeln!(out, "{:10.3} {:13.4}", point.x, 1e3 * point.elasticity)?;

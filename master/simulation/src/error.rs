@@ -42,6 +42,9 @@ pub enum SetupError {
     /// The line has no static state.
     #[error("the line of the scene")]
     Line(#[from] CatenaryError),
+    /// The line in the wind.
+    #[error(transparent)]
+    Galloping(#[from] system::galloping::GallopingError),
     /// There is no start.
     #[error("the state at t = 0")]
     Equilibrium(#[from] EquilibriumError),

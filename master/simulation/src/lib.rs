@@ -8,6 +8,7 @@ pub mod check;
 pub mod check_page;
 mod controlled;
 mod error;
+pub mod galloping;
 pub mod identity;
 pub mod latency;
 pub mod memory;

@@ -252,11 +252,26 @@ fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
 /// Effect of the wind on wires, or the reason for none.
 fn wind_on_wires(scene: &scene::Scene) -> Result<String, String> {
     let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
-    wind.wires.as_ref().ok_or("scene has no wind.wires")?;
+    let wires = wind.wires.as_ref().ok_or("scene has no wind.wires")?;
+    let polar = |there: bool, name: &str| there.then(|| name.to_owned());
+    let lifted = [
+        polar(wires.contact_wire_polar.is_some(), "contact wire"),
+        polar(wires.messenger_wire_polar.is_some(), "messenger wire"),
+    ];
+    let lifted: Vec<String> = lifted.into_iter().flatten().collect();
+    let lift = match lifted.is_empty() {
+        true => String::new(),
+        false => format!(", with lift by angle of attack on the {}", lifted.join(" and ")),
+    };
+    let parts = match (wires.dropper_diameter.is_some(), wires.registration_arm_drag_area > 0.0) {
+        (true, true) => "drag on droppers and registration arms",
+        (true, false) => "drag on droppers, none on registration arms",
+        (false, true) => "drag on registration arms, none on droppers",
+        (false, false) => "none on droppers and registration arms",
+    };
     Ok(format!(
-        "drag across contact and messenger wire, spread over their elements; none on droppers and registration arms; \
-         the run \
-         starts with the line at rest in the wind of t = 0; {}",
+        "drag across the wires, spread over their elements{lift}; {parts}; the run starts with the line at rest in the \
+         wind of t = 0; {}",
         blowing(wind)
     ))
 }

@@ -18,6 +18,7 @@ pub mod completions;
 pub mod experiment;
 pub mod explain;
 pub mod export;
+pub mod galloping;
 pub mod inspect;
 pub mod latency;
 pub mod package;

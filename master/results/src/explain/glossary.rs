@@ -64,7 +64,7 @@ pub fn glossary() -> &'static [Word] {
     &WORDS
 }
 
-static WORDS: [Word; 43] = [
+static WORDS: [Word; 44] = [
     word(
         &["measured", "measurement", "gains", "as measured"],
         "N",
@@ -203,6 +203,12 @@ static WORDS: [Word; 43] = [
         "‰",
         "Gradient of the contact wire against the track, by the chord between supports, and its change at a support.",
         "docs/guide/real-lines.md",
+    ),
+    word(
+        &["lateral_deviation", "blow-off"],
+        "m",
+        "Largest lateral position of the contact wire about the track centre in the mean wind, the line at rest.",
+        "docs/guide/weather.md",
     ),
     word(
         &["sampling_rate"],

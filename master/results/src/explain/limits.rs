@@ -100,6 +100,7 @@ fn of_run((system, speed_kmh, pantographs): (Electrification, f64, usize), asses
         &line,
         (conditions.speed, pantographs),
         (Some(1e-3), Some(1e-3)),
+        Some((0.3, Some(1.6))),
         assessment,
     );
     let mut all = standards::limits(&conditions, &vec![figures; pantographs], assessment);

@@ -45,6 +45,7 @@ pub(super) fn quantity_name(limit: &Limit) -> String {
         "arcing" => "arcing NQ",
         "gradient" => "gradient of the contact wire",
         "gradient_change" => "change of gradient",
+        "lateral_deviation" => "contact wire in the wind",
         other => other,
     };
     limit

@@ -90,6 +90,33 @@ fn arcing(system: Electrification, speed_kmh: f64) -> f64 {
     }
 }
 
+/// Largest lateral deviation of the contact wire in the wind for the heads of these lengths, m.
+/// `[TSI ENE, 4.2.9.2]`, remembered
+const LATERAL_DEVIATION: [(f64, f64); 2] = [(1.6, 0.40), (1.95, 0.55)];
+
+/// Limit of the `largest` lateral position of the contact wire in the wind, m, for a strip of this width, m: heads of
+/// another length than those of the standard have half of the width, where the wire leaves the strip.
+pub(super) fn lateral_deviation(largest: f64, width: Option<f64>) -> Limit {
+    let clause = ("TSI ENE", "2014", "4.2.9.2");
+    let limit = Limit::new(clause, "lateral_deviation", Some(largest), "m").remark("in the mean wind, at rest");
+    let Some(width) = width else {
+        return limit.not_applicable("the width of the strips of supplied FMUs is not known");
+    };
+    let known = LATERAL_DEVIATION
+        .iter()
+        .find(|(length, _)| (length - width).abs() < 1e-3);
+    match known {
+        Some((length, most)) => limit
+            .bounded(Bound::AtMost, *most)
+            .remembered()
+            .because(format!("head of {} mm", 1e3 * length)),
+        None => limit
+            .bounded(Bound::AtMost, 0.5 * width)
+            .chosen()
+            .because(format!("half of the width of the strip, {width} m")),
+    }
+}
+
 /// Limits for one pantograph.
 pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> Vec<Limit> {
     let force = figures.force;

@@ -19,8 +19,8 @@
 //! - `[EN 50119]` CENELEC, Railway applications – Fixed installations – Electric traction overhead contact lines, 2009.
 //! - `[EN 50317]` CENELEC, Railway applications – Current collection systems – Requirements for and validation of
 //!   measurements of the dynamic interaction between pantograph and overhead contact line, 2012.
-//! - `[TSI ENE]` Commission Regulation (EU) No 1301/2014 on the energy subsystem: 4.2.11 mean contact force, 4.2.12
-//!   dynamic behaviour and quality of current collection.
+//! - `[TSI ENE]` Commission Regulation (EU) No 1301/2014 on the energy subsystem: 4.2.9.2 lateral deviation, 4.2.11
+//!   mean contact force, 4.2.12 dynamic behaviour and quality of current collection.
 //! - `[Bane NOR]` Teknisk regelverk, book 540, chapter 6 (trv.banenor.no): TRV:00599 quotes EN 50119:2009, 5.2.4.
 //! - `[OCS]` github.com/showhoo/ocs-calculators, `src/force/meta.ts`: quotes EN 50367, Table 6, and the curves of the
 //!   TSI for DC.
@@ -267,15 +267,18 @@ pub fn limits(conditions: &Conditions, pantographs: &[Figures], assessment: &Ass
 }
 
 /// Limits of a line at rest: running speed in m/s, largest gradient of the contact wire and largest change of
-/// it, – and –; `pantographs` is their number.
+/// it, – and –; `pantographs` is their number. With wind on the wires also the largest lateral position of the contact
+/// wire in the mean wind and the width of the narrowest strip where it is known, m.
 #[must_use]
 pub fn limits_at_rest(
     line: &Line,
     (speed, pantographs): (f64, usize),
     (gradient, change): (Option<f64>, Option<f64>),
+    lateral_deviation: Option<(f64, Option<f64>)>,
     assessment: &Assessment,
 ) -> Vec<Limit> {
-    let all = en50119::at_rest(line, speed, gradient, change).to_vec();
+    let mut all = en50119::at_rest(line, speed, gradient, change).to_vec();
+    all.extend(lateral_deviation.map(|(largest, width)| en50367::lateral_deviation(largest, width)));
     own::assessed(all, assessment, (line.electrification, kmh(speed), pantographs))
 }
 
@@ -395,6 +398,7 @@ impl Limit {
             "speed_ratio" => "more tension in the contact wire, or a lower speed",
             "band" => "run.low_pass_hz = 20",
             "sampling_rate" => "a shorter run.output_step",
+            "lateral_deviation" => "shorter spans, less stagger, or more tension",
             "gradient" | "gradient_change" => "heights of the supports in smaller steps",
             _ => return None,
         };

@@ -197,6 +197,7 @@ fn editions_choose_among_limits_and_those_of_the_program_are_the_ones_a_scene_ma
         &conditions(None, 250.0).line,
         (60.0, 1),
         (Some(1e-3), None),
+        Some((0.3, Some(1.6))),
         &Assessment::default(),
     );
     for edition in scene::EDITIONS {

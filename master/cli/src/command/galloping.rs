@@ -1,0 +1,65 @@
+//! `master galloping`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CommandError, SceneFile, interrupted, print, print_json, say};
+use crate::cli::Common;
+use results::OutputDirectory;
+use simulation::galloping::Galloping;
+
+/// Arguments of `master galloping`.
+#[derive(Debug, Args)]
+pub struct GallopingArguments {
+    /// Scene file, with [wind.wires] and a table of drag and lift
+    scene: PathBuf,
+    /// Speeds of the steady wind, in m/s; left out, some about the critical one
+    #[arg(long, value_name = "U,…", value_delimiter = ',', value_parser = positive)]
+    speeds: Vec<f64>,
+    /// Amplitude of the motion at the start, in m
+    #[arg(long, value_name = "A", default_value = "0.01", value_parser = positive)]
+    amplitude: f64,
+    /// Simulated time, in s
+    #[arg(long, value_name = "S", default_value = "120", value_parser = positive)]
+    duration: f64,
+}
+
+/// A positive number.
+fn positive(text: &str) -> Result<f64, String> {
+    let found = text
+        .parse::<f64>()
+        .ok()
+        .filter(|value| *value > 0.0 && value.is_finite());
+    found.ok_or_else(|| "must be a positive number, such as 12".to_owned())
+}
+
+/// Lets the line of a scene gallop in a steady wind.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn galloping(arguments: &GallopingArguments, common: &Common) -> Result<(), CommandError> {
+    let path = arguments.scene.as_path();
+    let file = SceneFile::read(path, common)?;
+    file.notes.iter().for_each(|note| say(common)(note));
+    let asked = Galloping {
+        speeds: arguments.speeds.clone(),
+        amplitude: arguments.amplitude,
+        duration: arguments.duration,
+    };
+    let report = asked
+        .run(&file.scene, &file.name, interrupted(common))
+        .map_err(|error| CommandError::from(error).in_scene(path))?;
+    if common.json {
+        print_json(&report)?;
+    } else if !common.quiet {
+        print(&report.text())?;
+    }
+    if let Some(out) = &common.out {
+        let folder = OutputDirectory::open(out.clone()).map_err(CommandError::Directory)?;
+        folder
+            .write_page("galloping.csv", &report.csv())
+            .map_err(CommandError::Results)?;
+    }
+    Ok(())
+}
