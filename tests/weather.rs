@@ -106,7 +106,10 @@ fn friction_of_the_devices_gives_the_hysteresis_of_a_slider_on_a_spring() {
         slider = slider.clamp(low, high);
         let expected = held(slider, temperature);
         let (tension, travel, _) = after(&format!("{turn:?}"), &device);
-        assert!((tension / expected - 1.0).abs() < 1e-6, "{turn:?}: {tension} N, {expected} N");
+        assert!(
+            (tension / expected - 1.0).abs() < 1e-6,
+            "{turn:?}: {tension} N, {expected} N"
+        );
         assert!((travel - slider).abs() < 1e-7, "{turn:?}: {travel} m, {slider} m");
     }
 }
@@ -193,7 +196,10 @@ fn ice_by_its_thickness_sags_a_wire_as_the_elastic_catenary() {
 #[test]
 fn a_steady_wind_blows_a_span_off_by_its_load_and_the_wider_one_with_ice_more() {
     let wind = "wind={ speed = 20.0, yaw_deg = 90.0, air_density = 1.25, wires = { drag_coefficient = 1.1 } }";
-    for (change, diameter) in [("catenary.change={}", 0.012), ("catenary.change={ ice = { thickness = 0.01 } }", 0.032)] {
+    for (change, diameter) in [
+        ("catenary.change={}", 0.012),
+        ("catenary.change={ ice = { thickness = 0.01 } }", 0.032),
+    ] {
         let scene = span(&[wind, change]);
         assert_eq!(scene.diameter_in_wind(WireKind::Contact), Some(diameter));
         let statics = static_line(&scene).unwrap();
@@ -210,11 +216,23 @@ fn a_steady_wind_blows_a_span_off_by_its_load_and_the_wider_one_with_ice_more() 
 
 #[test]
 fn the_wind_on_droppers_and_arms_is_carried_by_the_wires_that_hold_them() {
-    let en = include_str!("../scenes/en50318-250.toml").split("[ranges]").next().unwrap().to_owned() + "\n";
+    let en = include_str!("../scenes/en50318-250.toml")
+        .split("[ranges]")
+        .next()
+        .unwrap()
+        .to_owned()
+        + "\n";
     let wind = |more: &str| {
         let wires = "drag_coefficient = 1.0, contact_wire_diameter = 1e-6, messenger_wire_diameter = 1e-6";
         let table = format!("wind={{ speed = 30.0, yaw_deg = 90.0, air_density = 1.25, wires = {{ {wires}{more} }} }}");
-        let scene = scene_with(&en, &["catenary.mesh.elements_per_interval=1", "catenary.mesh.corrections=none", &table]);
+        let scene = scene_with(
+            &en,
+            &[
+                "catenary.mesh.elements_per_interval=1",
+                "catenary.mesh.corrections=none",
+                &table,
+            ],
+        );
         let mut line = static_line(&scene).unwrap();
         line = line.in_wind(catenary::WindOnLine::of_scene(&scene));
         let mut layout = dynamics::Layout::new();
@@ -228,13 +246,24 @@ fn the_wind_on_droppers_and_arms_is_carried_by_the_wires_that_hold_them() {
         let nodes = line.wires().iter().flat_map(|wire| wire.geometry().nodes());
         let lateral: std::collections::BTreeSet<usize> = nodes.filter_map(|node| node.map.position(1)).collect();
         let whole: f64 = lateral.into_iter().map(|index| force[index]).sum();
-        let heights = line.droppers().as_slice().iter().map(|d| (d.upper.reference - d.lower.reference).norm());
-        (whole, heights.sum::<f64>(), line.registration_arms().as_slice().len() as f64)
+        let heights = line
+            .droppers()
+            .as_slice()
+            .iter()
+            .map(|d| (d.upper.reference - d.lower.reference).norm());
+        (
+            whole,
+            heights.sum::<f64>(),
+            line.registration_arms().as_slice().len() as f64,
+        )
     };
     let (none, lengths, arms) = wind("");
     let pressure = 0.5 * 1.25 * 900.0;
     let droppers = wind(", dropper_diameter = 0.005").0 - none;
-    assert!((droppers / (-pressure * 0.005 * lengths) - 1.0).abs() < 1e-9, "{droppers} N"); // rounding
+    assert!(
+        (droppers / (-pressure * 0.005 * lengths) - 1.0).abs() < 1e-9,
+        "{droppers} N"
+    ); // rounding
     let on_arms = wind(", registration_arm_drag_area = 0.04").0 - none;
     assert!((on_arms / (-pressure * 0.04 * arms) - 1.0).abs() < 1e-9, "{on_arms} N"); // rounding
 }
@@ -266,7 +295,10 @@ fn a_span_gallops_from_the_speed_of_den_hartogs_criterion_on() {
     // 2 m ζ ω = m α with damping on the mass alone.
     let expected = 2.0 * MASS * 0.2 / (1.25 * 0.03 * 1.8);
     let critical = criterion.critical_speed.unwrap();
-    assert!((critical / expected - 1.0).abs() < 1e-3, "{critical} m/s, {expected} m/s");
+    assert!(
+        (critical / expected - 1.0).abs() < 1e-3,
+        "{critical} m/s, {expected} m/s"
+    );
     let statics = static_line(&scene).unwrap();
     let growth = |share: f64| {
         let trial = Trial {
@@ -275,7 +307,11 @@ fn a_span_gallops_from_the_speed_of_den_hartogs_criterion_on() {
             duration: 60.0,
         };
         let motion = trial.run(&scene, &statics).unwrap();
-        assert!((motion.frequency - criterion.frequency).abs() < 0.1, "{} Hz", motion.frequency);
+        assert!(
+            (motion.frequency - criterion.frequency).abs() < 0.1,
+            "{} Hz",
+            motion.frequency
+        );
         motion.growth
     };
     let (below, above) = (growth(0.98), growth(1.02));
@@ -310,13 +346,18 @@ fn the_limit_cycle_of_a_span_takes_from_the_wind_what_its_damping_costs() {
                 let alpha = (-velocity).atan2(speed);
                 let lift = linear * alpha + cubic * alpha.powi(3);
                 let pressure = 0.5 * 1.25 * 0.03 * (speed * speed + velocity * velocity);
-                power += pressure * (lift * alpha.cos() + drag * alpha.sin()) * velocity - MASS * 0.2 * velocity.powi(2);
+                power +=
+                    pressure * (lift * alpha.cos() + drag * alpha.sin()) * velocity - MASS * 0.2 * velocity.powi(2);
             }
         }
         power
     };
     let expected = bisect(1e-3, 3.0, |amplitude| balance(amplitude) > 0.0);
-    assert!((motion.amplitude / expected - 1.0).abs() < 0.05, "{} m, {expected} m", motion.amplitude);
+    assert!(
+        (motion.amplitude / expected - 1.0).abs() < 0.05,
+        "{} m, {expected} m",
+        motion.amplitude
+    );
 }
 
 #[test]
@@ -324,7 +365,11 @@ fn check_tells_blow_off_limit_and_galloping() {
     let scene = windy(&polar(-2.8, 12.0, 1.0), 25.0);
     let prepared = simulation::prepare(scene, "windy", std::path::Path::new("."), false).unwrap();
     let report = Report::of(&prepared).unwrap();
-    let limit = report.limits.iter().find(|limit| limit.quantity == "lateral_deviation").unwrap();
+    let limit = report
+        .limits
+        .iter()
+        .find(|limit| limit.quantity == "lateral_deviation")
+        .unwrap();
     assert_eq!((limit.limit, limit.pass), (Some(0.4), Some(false)));
     assert_eq!(limit.value, Some(report.blow_off[0].lateral.abs()));
     let text = report.text(&prepared);

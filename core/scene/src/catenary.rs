@@ -640,7 +640,7 @@ impl Entry for Wire {
             diameter: keys.optional_number(
                 "diameter",
                 was.map(|wire| wire.diameter),
-                Number::positive("m").at_most(0.1),
+                Number::between_in("m", 1e-4, 0.1),
             ),
             breaking_force: keys.optional_number(
                 "breaking_force",

@@ -7,6 +7,9 @@ use std::f64::consts::PI;
 
 /// Glaze, the densest ice [ISO 12494], kg/m³.
 const GLAZE: f64 = 900.0;
+/// Soft rime, and ice without air [ISO 12494], kg/m³.
+const LIGHTEST: f64 = 50.0;
+const SOLID: f64 = 917.0;
 /// Thickest ice, m.
 const THICKEST: f64 = 0.2;
 
@@ -110,7 +113,7 @@ impl Entry for Ice {
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        let thickness = Number::not_negative("m").at_most(THICKEST);
+        let thickness = Number::between_in("m", 0.0, THICKEST);
         // Written out wire by wire.
         let all = keys.optional_number("thickness", was.map(|_| None), thickness);
         let mut of = |name: &str, was: Option<f64>| match (all, was) {
@@ -124,7 +127,7 @@ impl Entry for Ice {
             density: keys.number(
                 "density",
                 was.map(|ice| ice.density),
-                Number::positive("kg/m³").at_most(917.0).default(GLAZE),
+                Number::between_in("kg/m³", LIGHTEST, SOLID).default(GLAZE),
             ),
         }
     }

@@ -51,12 +51,12 @@ impl Entry for Tensioning {
             friction: keys.number(
                 "friction",
                 was.map(|device| device.friction),
-                Number::not_negative("").at_most(0.5).default(0.0),
+                Number::between(0.0, 0.5).default(0.0),
             ),
             ratio: keys.number(
                 "ratio",
                 was.map(|device| device.ratio),
-                Number::positive("").at_most(10.0).default(1.0),
+                Number::between(0.5, 10.0).default(1.0),
             ),
             travel: keys.optional_number("travel", was.map(|device| device.travel), Number::positive("m")),
         }

@@ -115,6 +115,8 @@ fn everything_optional_survives_writing() {
             "catenary.statics=nodal_displacement",
             "catenary.droppers.lengths=[1.1, 1.0, 0.9, 0.85, 0.8, 0.85, 0.9, 1.0, 1.1]",
             "catenary.contact_wire.breaking_force=40000",
+            "catenary.contact_wire.diameter=0.0132",
+            "catenary.tensioning={ friction = 0.03, travel = 2.5 }",
             "catenary.registration_arms.free_uplift=0.24",
             "catenary.registration_arms.uplift_stop=true",
             "run.electrification=dc_1_5kv",
@@ -549,7 +551,9 @@ gust = { velocity = [0, 8, 0.5], start_x = 100, length = 60 }
 turbulence = { spectrum = \"kaimal\", intensities = [0.15, 0.12, 0.08], length_scales = [120, 60, 20], \
                             coherence_decays = [10, 7, 7], seed = 4 }
 record = [[0, 1, 2, 3, 100], [1, 1, 2, 3, 100]]
-wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }
+wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011, dropper_diameter = 0.005, \
+          registration_arm_drag_area = 0.03, contact_wire_polar = { angles_deg = [-90, 0, 90], drag = [2, 1, 2], \
+          lift = [1, 0, -1] } }
 
 [[wind.pantograph.surfaces]]
 body = \"pan_head\"
@@ -605,4 +609,25 @@ fn a_wind_survives_writing_and_pushes_the_line_sideways() {
         &["wind={ speed = 0, yaw_deg = 0, air_density = 1.2, pantograph = { uplift = 0.0125 } }"],
     );
     assert_eq!(read(&uplift.to_toml(), &[]), uplift);
+}
+
+#[test]
+fn weather_survives_writing_and_a_thickness_holds_for_all_wires() {
+    let change = "catenary.change={ temperature = [-20, 5], ice = { thickness = 0.01, messenger_wire = 0.02 } }";
+    let diameters = [
+        "catenary.contact_wire.diameter=0.012",
+        "catenary.messenger_wire.diameter=0.014",
+    ];
+    let scene = read(EN_250, &[change, diameters[0], diameters[1]]);
+    let line = scene.modelled_line().unwrap().0;
+    let change = line.change.as_ref().unwrap();
+    assert_eq!(change.temperature, [-20.0, 5.0]);
+    let ice = change.ice.unwrap();
+    assert_eq!((ice.contact_wire, ice.messenger_wire, ice.density), (0.01, 0.02, 900.0));
+    // A ring of ice: π ((r + t)² − r²) ρ.
+    let ring =
+        |radius: f64, thickness: f64| std::f64::consts::PI * 900.0 * ((radius + thickness).powi(2) - radius.powi(2));
+    assert!((line.ice_on(scene::WireKind::Contact) - ring(0.006, 0.01)).abs() < 1e-12); // rounding
+    assert!((line.ice_on(scene::WireKind::Messenger) - ring(0.007, 0.02)).abs() < 1e-12); // rounding
+    assert_eq!(read(&scene.to_toml(), &[]), scene);
 }

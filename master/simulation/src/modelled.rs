@@ -101,6 +101,12 @@ impl Prepared {
         notes.extend(mesh::expected_error(&self.scene, step));
         notes.extend(accuracy::remark(&self.scene));
         notes.extend(rest_position::warnings(self));
+        if self.statics.as_ref().is_some_and(|line| line.ends_are_held()) {
+            notes.push(
+                "catenary.tensioning: friction or a stop holds the ends of the wires where they are while pantographs pass"
+                    .to_owned(),
+            );
+        }
         let (span, _) = crate::evaluated_spans(&self.scene);
         notes.extend(controlled::foreseen(&self.scene, self.statics.as_deref(), span));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {

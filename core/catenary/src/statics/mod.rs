@@ -212,6 +212,12 @@ impl StaticLine {
         &self.report
     }
 
+    /// True where friction or a stop of the tensioning devices holds the ends of the wires while pantographs pass.
+    #[must_use]
+    pub fn ends_are_held(&self) -> bool {
+        self.catenary.wire_ends == scene::WireEnds::Fixed && self.catenary.tensioning.is_some()
+    }
+
     /// The line of the scene that was solved: a long line of equal spans is solved as a short one.
     #[must_use]
     pub fn scene_line(&self) -> &Catenary {
