@@ -40,6 +40,7 @@ mod supplied_together;
 mod time_loop;
 mod vehicle;
 mod weather;
+mod wear;
 mod wind;
 mod windowed_lines;
 mod wire_coordinates;

@@ -79,6 +79,7 @@ impl Scene {
         self.check_assessment(&mut found);
         self.check_measurement(&mut found);
         self.check_control(&mut found);
+        self.check_wear(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);

@@ -77,6 +77,7 @@ mod tensioning;
 mod track;
 mod tree;
 mod vehicle;
+mod wear;
 mod wind;
 mod write;
 
@@ -114,6 +115,7 @@ pub use vehicle::{
     Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
     Wheels,
 };
+pub use wear::{StripWear, Wear, WearApplied, WearLaw, WireWear};
 pub use wind::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
     WindTableError, WindTurbulence, WirePolar,

@@ -11,7 +11,7 @@ use crate::ranges::{Range, take_ranges};
 use crate::tree::{At, Sources, Table, parse};
 use crate::{
     Assessment, Catenary, Contact, Coupling, Evaluate, Measurement, MeshChoice, Model, Pantograph, Run, Solver,
-    Supplied, Track, Vehicle, Wind,
+    Supplied, Track, Vehicle, Wear, Wind,
 };
 use std::sync::Arc;
 
@@ -44,6 +44,8 @@ pub struct Scene {
     pub solver: Solver,
     /// `[measurement]`; `None`: nothing is measured.
     pub measurement: Option<Measurement>,
+    /// `[wear]`; `None`: no current flows and nothing wears.
+    pub wear: Option<Wear>,
     /// `[assessment]`.
     pub assessment: Assessment,
 }
@@ -166,6 +168,7 @@ impl Scene {
             coupling: Coupling::default(),
             solver: Solver::default(),
             measurement: None,
+            wear: None,
             assessment: Assessment::default(),
         };
         scene.keep_contact_speed();
@@ -375,6 +378,10 @@ impl Entry for Scene {
             "Instruments of the heads, as on a measuring train; without it nothing is measured.",
         ),
         (
+            "wear",
+            "Current of the pantographs, wear of contact wire and strips; without it no current flows.",
+        ),
+        (
             "assessment",
             "Limits that the run is held against, beside those that the program knows.",
         ),
@@ -420,6 +427,7 @@ impl Entry for Scene {
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
             measurement: keys.optional_table("measurement", was.map(|scene| scene.measurement.as_ref())),
+            wear: keys.optional_table("wear", was.map(|scene| scene.wear.as_ref())),
             assessment: keys.table_or_empty(
                 "assessment",
                 was.map(|scene| &scene.assessment)

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::command::{self, CommandError, galloping, latency, run, sensitivity, study, sweep, validate};
+use crate::command::{self, CommandError, galloping, latency, run, sensitivity, study, sweep, validate, wear};
 use experiments::compare;
 use fmi2::isolation;
 
@@ -99,6 +99,9 @@ enum Command {
     /// How much results depend on numbers that are not known for certain: each at the ends of its range
     #[command(after_help = EXIT_STATUS)]
     Sensitivity(sensitivity::SensitivityArguments),
+    /// Lets a train pass many times over a line that wears: map of wear, life of wire and strip
+    #[command(after_help = EXIT_STATUS)]
+    Wear(wear::WearArguments),
     /// Runs a scene at the pace of real time: how long its steps take, and how many end late
     #[command(after_help = EXIT_STATUS)]
     Latency(latency::LatencyArguments),
@@ -232,6 +235,7 @@ pub fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::sweep(&arguments, &common),
         Command::Sensitivity(arguments) => sensitivity::sensitivity(&arguments, &common),
         Command::Galloping(arguments) => galloping::galloping(&arguments, &common),
+        Command::Wear(arguments) => wear::wear(&arguments, &common),
         Command::Latency(arguments) => latency::latency(&arguments, &common),
         Command::Reproduce {
             what: Publication::Thesis,

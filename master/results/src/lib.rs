@@ -29,6 +29,7 @@ mod summary;
 #[cfg(test)]
 pub(crate) mod tests;
 mod undecided;
+mod wearing;
 
 pub use animation::Animation;
 pub use detail::{ContactHeight, Detail, OtherFilter};
@@ -43,3 +44,4 @@ pub use summary::{
     Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,
     StripSummary, Summary, SupportUplift, Uncertainty, Uplift,
 };
+pub use wearing::{Wearing, heads};

@@ -4,7 +4,7 @@ use component::{Percentiles, Share};
 use scene::Assessment;
 use serde::{Deserialize, Serialize};
 
-use super::{Detail, Instrument, Measured, Record, SupportRecord};
+use super::{Detail, Instrument, Measured, Record, SupportRecord, Wearing};
 use crate::standards::{self, Conditions, Figures, Limit, SHORTEST_ARC};
 use crate::statistics::{
     Filter, FilterError, ForceStatistics, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
@@ -34,6 +34,8 @@ pub struct RunInfo {
     pub assessment: Assessment,
     /// Instruments of the heads; nothing is measured without them.
     pub instrument: Option<Instrument>,
+    /// Current and wear; no current flows without.
+    pub wear: Option<Wearing>,
     /// How the two sides were coupled.
     pub coupling: Coupling,
     /// The model.
@@ -235,6 +237,9 @@ pub struct Summary {
     /// Instruments of the heads; absent where nothing is measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instrument: Option<Instrument>,
+    /// Current, arcs and wear of the passage; absent where no current is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wear: Option<wear::Train>,
     /// Free remarks.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -434,6 +439,7 @@ impl Summary {
             uncertainty: info.uncertainty.clone(),
             cost: info.cost.clone(),
             instrument: info.instrument.clone(),
+            wear: info.wear.as_ref().map(|wear| wear.train(&info.evaluation, record)),
             notes,
         }
     }

@@ -24,6 +24,7 @@ mod static_lines;
 mod statics_hints;
 mod strip_overrun;
 mod table_files;
+pub mod wearing;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -510,6 +511,7 @@ impl Prepared {
             .chain(sliding_joint::remarks(scene, &record))
             .chain(strip_overrun::remarks(scene, &record))
             .chain(controlled::remarks(scene, &evaluation, &record))
+            .chain(wearing::remarks(scene))
             .collect();
         let info = RunInfo {
             scene: self.name.clone(),
@@ -526,6 +528,7 @@ impl Prepared {
             assessment: scene.assessment.clone(),
             instrument: (scene.measurement.as_ref())
                 .map(|measurement| results::Instrument::new(measurement, scene.run.output_step)),
+            wear: wearing::of(scene),
             coupling,
             model: self.model(),
             accuracy: accuracy::of(scene, mode, step),

@@ -30,6 +30,7 @@ pub mod stability;
 pub mod study;
 pub mod sweep;
 pub mod validate;
+pub mod wear;
 
 use std::fs::File;
 use std::io::Write as _;
@@ -84,6 +85,9 @@ pub enum CommandError {
     /// A sweep that cannot begin or go on.
     #[error(transparent)]
     Sweep(Box<::sweep::SweepError>),
+    /// Passages that cannot begin or go on.
+    #[error(transparent)]
+    Passages(Box<passages::PassagesError>),
     /// A directory without results.
     #[error("{}: holds no {}; expected the output directory of a finished `master \
         run`", path.display(), results::SUMMARY)]
@@ -241,6 +245,7 @@ impl CommandError {
             | Self::Json(_) => 1,
             Self::Sweep(error) if !error.is_input() => 1,
             Self::Validation(error) if !error.is_input() => 1,
+            Self::Passages(error) if !error.is_input() => 1,
             Self::LimitsFailed { .. } | Self::NotValid { .. } => 3,
             _ => 2,
         }

@@ -11,6 +11,7 @@
 //! | `verdict` | which limits fail, which hold, by how much |
 //! | `sections` | text and tables of the page |
 //! | `details` | tables by band, span and loss, of heights and uplift |
+//! | `wear` | tables of current, arcs and wear |
 //! | `plots` | plots of the page |
 //! | `animation` | the player |
 //! | `table` | the table on the terminal |
@@ -31,6 +32,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod verdict;
+mod wear;
 
 pub use html::{Library, Page, escape, figure_html, head_cells, remarks, remarks_of};
 pub use label::labels;
@@ -61,6 +63,7 @@ pub fn render(runs: &[RunBundle]) -> String {
     page.section("By span", &details::stretches(&runs));
     page.section("As measured", &(details::measured(&runs) + &figures.measured));
     page.section("Losses of contact", &details::losses(&runs));
+    page.section("Current and wear", &wear::section(&runs));
     page.section("Animation", &animation::section(&runs));
     page.section("Heights and uplift", &(figures.heights + &details::heights(&runs)));
     page.section("Wind on the collector head", &figures.wind);

@@ -338,7 +338,8 @@ pub fn table(summary: &Summary) -> String {
     }
     text.push('\n');
     text.push_str(&limits(summary));
-    for part in [figures(summary), modelled(summary), cost(&summary.cost)] {
+    let figures = figures(summary) + &super::wear::lines(summary);
+    for part in [figures, modelled(summary), cost(&summary.cost)] {
         text.push('\n');
         text.push_str(&part);
     }
