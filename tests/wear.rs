@@ -148,7 +148,7 @@ fn the_volume_of_a_profile_is_that_of_the_pieces_that_wore_it() {
     for applied in ["span", "place"] {
         let scene = shipped(&[&format!("wear.applied=\"{applied}\""), "wear.contact_length=0.7"]);
         let line = WornLine::new(&scene).unwrap();
-        let force: Vec<f64> = (0..5400)
+        let force: Vec<f64> = (0..5000)
             .map(|sample| 100.0 + 90.0 * (0.013 * f64::from(sample)).sin())
             .collect();
         let (evaluation, record) = travelled(&scene, force, 0.0);
@@ -229,7 +229,7 @@ fn repeated(heights: &[f64], length: f64) -> RestingSpline {
 /// Forces over one wave once the pantograph has settled on the surface, N.
 fn forces_over(scene: &Scene, heights: &[f64], (length, stiffness): (f64, f64)) -> (f64, Vec<f64>) {
     let mut layout = Layout::new();
-    let (model, rest) = PantographModel::started(scene, 0, &mut layout).unwrap();
+    let (mut model, rest) = PantographModel::started(scene, 0, &mut layout).unwrap();
     let mut state: State = layout.state_at_rest();
     model.set_initial(&rest, &mut state);
     let at_rest = state.q[0];
@@ -256,7 +256,7 @@ fn forces_over(scene: &Scene, heights: &[f64], (length, stiffness): (f64, f64)) 
         let t = step * sample as f64;
         if sample >= SAMPLES * SETTLED {
             let now = simulator.state().q[0];
-            forces.push(simulator.system().wire.pressed(t, now));
+            forces.push(simulator.system.wire.pressed(t, now));
         }
         control::advance(
             &mut simulator,
@@ -299,7 +299,7 @@ fn a_wave_of_the_surface_grows_or_decays_as_linear_theory_says() {
         let section = RoundSection {
             diameter: own.wire.diameter,
         };
-        let worn = 2e-3;
+        let worn = 4e-3;
         let mut lost = Profile::new(0.0, length, length / CELLS as f64);
         let amplitude = 1e-6;
         for index in 0..CELLS {
@@ -318,13 +318,14 @@ fn a_wave_of_the_surface_grows_or_decays_as_linear_theory_says() {
                 speed,
                 step: length / speed / SAMPLES as f64,
             };
+            let closed = vec![-1.0; SAMPLES];
             let x: Vec<f64> = (0..SAMPLES).map(|sample| passage.stride() * sample as f64).collect();
             let head = Head {
                 strips: vec![Contact {
                     force: &forces,
                     x: &x,
                     aside: &[],
-                    gap: &vec![-1.0; SAMPLES],
+                    gap: &closed,
                 }],
                 evaluated: 0..SAMPLES,
             };
@@ -334,10 +335,11 @@ fn a_wave_of_the_surface_grows_or_decays_as_linear_theory_says() {
             });
             // Passages that change the wave by about a hundredth.
             let by_force = law.mechanical_by_force(rest, 0.0);
-            let omega = TAU * speed / length;
-            let head_stiffness = wear::head_stiffness(lumped, omega);
-            let one = wear::growth(head_stiffness, contact, by_force, section.width(mean)) - 1.0;
-            let passages = 0.01 / one.norm();
+            let area = law.mechanical(rest, 0.0);
+            let stiffness = wear::head_stiffness(lumped, TAU * speed / length);
+            let one = wear::growth(stiffness, contact, (area, by_force), (section, mean)) - 1.0;
+            let rigid = by_force / section.width(mean) * (stiffness * contact / (stiffness + contact)).norm();
+            let passages = 0.01 / rigid;
             let expected = one * passages;
             for (lost, rate) in lost.area.iter_mut().zip(&by_passage.area) {
                 *lost += passages * rate;
@@ -345,7 +347,8 @@ fn a_wave_of_the_surface_grows_or_decays_as_linear_theory_says() {
             let after: Vec<f64> = lost.area.iter().map(|area| section.depth(*area)).collect();
             let change = harmonic(&after) / harmonic(&depths) - 1.0;
             // Width that grows with the mean, means over samples and cells, the rest of the first waves.
-            let error = (change - expected).norm() / expected.norm();
+            let error = (change - expected).norm() / 0.01;
+            println!("{length} m, block {block}: {change}, by theory {expected}");
             assert!(
                 error < 0.02,
                 "{length} m, block {block}: {change} instead of {expected}"
@@ -476,7 +479,7 @@ fn wear_that_cannot_be_is_refused_with_key_and_remedy() {
         ("wear.arc_voltage", "0", "must be positive"),
         ("wear.constriction_resistance", "nan", "must be positive"),
         ("wear.grid", "5", "must be from 0.01 to 1"),
-        ("wear.applied", "\"everywhere\"", "must be one of"),
+        ("wear.applied", "\"everywhere\"", "must be \"span\" or \"place\""),
     ] {
         let said = said(&[&format!("{key}={value}")]);
         assert!(said.contains(key) && said.contains(expected), "{key}={value}: {said}");

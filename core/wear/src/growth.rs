@@ -2,18 +2,21 @@
 //!
 //! A strip on a rigid wire meets the surface `w = a sin(2π x/λ)`, raised where worn, at the circular frequency
 //! `ω = 2π V/λ`. With the dynamic stiffness `D(ω)` of the pantograph at its head and the stiffness `k_c` of the contact
-//! the force varies by `F̂ = −Z ŵ`, `1/Z = 1/k_c + 1/D`. A passage deepens the surface by `ŵ' = w_F F̂/b`, with the
-//! change `w_F` of the worn area with the force and the width `b` of the flat, so that (derived here)
+//! the force varies by `F̂ = −Z ŵ`, `1/Z = 1/k_c + 1/D`. A passage that takes the area `A(F)` from a flat of the width
+//! `b(h)` deepens it by `A/b`, so that (derived here)
 //!
 //! ```text
-//! ŵ₊ = (1 − (w_F/b) Z) ŵ
+//! ŵ₊ = (1 − A_F Z/b − A b_h/b²) ŵ
 //! ```
 //!
-//! A wave decays where springs rule, `Re Z > 0`, and grows where the inertia of the head does, `Re Z < 0`; its phase
-//! moves with `Im Z`.
+//! The last term is geometry: the flat of a round wire is wider where it is deeper, which evens every wave out. The
+//! other one evens it where springs rule, `Re Z > 0`, and raises it where the inertia of the head does, `Re Z < 0`; the
+//! phase of the wave moves with `Im Z`.
 
 use nalgebra::Complex;
 use scene::Lumped;
+
+use crate::RoundSection;
 
 /// Dynamic stiffness of a lumped pantograph at its head, N/m, at the circular frequency `omega` (rad/s); friction and
 /// one-way elements are left out.
@@ -35,10 +38,17 @@ pub fn head_stiffness(pantograph: &Lumped, omega: f64) -> Complex<f64> {
 }
 
 /// Factor of a wave of the surface from one passage to the next: `head` is the dynamic stiffness of the pantograph,
-/// `contact` the stiffness of the contact, N/m, `by_force` the change of the worn area with the force, m²/N, and
-/// `width` that of the flat, m.
+/// `contact` the stiffness of the contact, N/m, `area` that which a passage takes away with its change with the force,
+/// m² and m²/N, `section` that of the wire at its mean depth, m.
 #[must_use]
-pub fn growth(head: Complex<f64>, contact: f64, by_force: f64, width: f64) -> Complex<f64> {
+pub fn growth(
+    head: Complex<f64>,
+    contact: f64,
+    (area, by_force): (f64, f64),
+    (section, depth): (RoundSection, f64),
+) -> Complex<f64> {
+    let width = section.width(depth);
     let together = head * contact / (head + contact);
-    Complex::new(1.0, 0.0) - together * (by_force / width)
+    let evening = area * section.width_by_depth(depth) / (width * width);
+    Complex::new(1.0 - evening, 0.0) - together * (by_force / width)
 }

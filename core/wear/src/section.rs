@@ -51,6 +51,12 @@ impl RoundSection {
         self.diameter * (0.5 * self.angle(depth)).sin()
     }
 
+    /// Change of the width of the flat with the depth (m), –; infinite where nothing is worn.
+    #[must_use]
+    pub fn width_by_depth(self, depth: f64) -> f64 {
+        2.0 * (self.diameter - 2.0 * depth) / self.width(depth)
+    }
+
     /// Depth at which an area (m²) is lost, m; the diameter where nothing is left.
     #[must_use]
     pub fn depth(self, lost: f64) -> f64 {
@@ -112,6 +118,8 @@ mod tests {
             let h = 1e-4 * depth;
             let width = (WIRE.lost(depth + h) - WIRE.lost(depth - h)) / (2.0 * h);
             assert!((width / WIRE.width(depth) - 1.0).abs() < 1e-7, "{depth}");
+            let by_depth = (WIRE.width(depth + h) - WIRE.width(depth - h)) / (2.0 * h);
+            assert!((by_depth / WIRE.width_by_depth(depth) - 1.0).abs() < 1e-7, "{depth}");
         }
     }
 }
