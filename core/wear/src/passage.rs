@@ -265,8 +265,9 @@ impl Passage<'_> {
         for arc in &mut figures.arcs {
             arc.voltage_v = arc.energy_j / (current * arc.duration_s);
         }
-        figures.arc_energy_j = figures.arcs.iter().map(|arc| arc.energy_j).sum();
-        let arc_time: f64 = figures.arcs.iter().map(|arc| arc.duration_s).sum();
+        // Sums of nothing are zero without a sign.
+        figures.arc_energy_j = figures.arcs.iter().fold(0.0, |sum, arc| sum + arc.energy_j);
+        let arc_time = figures.arcs.iter().fold(0.0, |sum, arc| sum + arc.duration_s);
         let time = samples as f64 * self.step;
         if samples > 0 {
             figures.arc_percent = 100.0 * arc_time / time;

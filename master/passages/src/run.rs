@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use results::report::Progress;
-use results::{OutputDirectory, RunInfo, Summary};
+use results::{OutputDirectory, Summary};
 use scene::{PantographModel, Scene};
 use simulation::identity::{by_content, digest, program};
 use simulation::{FmuSource, Mode, SetupError, prepare};
@@ -75,6 +75,7 @@ pub fn run(
         diameter_m: line.section().diameter,
         limit_area_m2: line.limit(),
         lost: line.begin(),
+        notes: simulation::wearing::remarks(scene),
         ..Record::default()
     });
     let passages = Passages {
@@ -123,7 +124,6 @@ struct Passages<'a> {
 struct Passed {
     figures: RunFigures,
     by_passage: Profile,
-    notes: Vec<String>,
 }
 
 impl Passages<'_> {
@@ -163,7 +163,6 @@ impl Passages<'_> {
         Ok(Some(Passed {
             figures: figures(summary, area_m2, by_passage.largest().1),
             by_passage,
-            notes: notes(&finished.info),
         }))
     }
 
@@ -219,9 +218,6 @@ impl Passages<'_> {
         record.wire_life_passages = to_limit.map(|more| done as f64 + more);
         for (lost, rate) in record.lost.area.iter_mut().zip(&passed.by_passage.area) {
             *lost += added as f64 * rate;
-        }
-        if record.blocks.is_empty() {
-            record.notes = passed.notes;
         }
         record.complete = added == 0;
         if record.complete && done < self.wishes.passages {
@@ -291,10 +287,4 @@ fn figures(summary: Summary, area_m2: Terms, largest_area_m2: f64) -> RunFigures
         largest_area_m2,
         train: summary.wear.unwrap_or_default(),
     }
-}
-
-/// Remarks of a run that concern its wear.
-fn notes(info: &RunInfo) -> Vec<String> {
-    let of_wear = info.notes.iter().filter(|note| note.contains("wear"));
-    of_wear.cloned().collect()
 }

@@ -90,7 +90,7 @@ fn hash(bytes: &[u8]) -> String {
 /// hash can be compared.
 #[must_use]
 pub fn identity(scene: &Scene, base: &Path) -> String {
-    const TABLES: [&str; 7] = [
+    const TABLES: [&str; 10] = [
         "[catenary.mesh]",
         "[coupling]",
         "[solver]",
@@ -98,6 +98,9 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
         "[measurement]",
         "[assessment]",
         "[[assessment.limit]]",
+        "[wear]",
+        "[wear.wire]",
+        "[wear.strip]",
     ];
     const KEYS: [(&str, &str); 5] = [
         ("", "title"),

@@ -14,7 +14,8 @@ pub fn of(scene: &Scene) -> Option<Wearing> {
 }
 
 /// Remarks on what is assumed.
-pub(crate) fn remarks(scene: &Scene) -> Vec<String> {
+#[must_use]
+pub fn remarks(scene: &Scene) -> Vec<String> {
     let Some(wear) = &scene.wear else { return Vec::new() };
     let mut remarks = vec![
         "[wear]: the current is held, during arcs too; the heat of a contact counts in full for wire and strip; a worn \
