@@ -84,3 +84,88 @@ impl<'a> Circuit<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use scene::{WearApplied, WearLaw, WireWear};
+
+    use super::*;
+
+    /// Contacts of 2 mΩ and a film of 1 mΩ at 100 N.
+    fn wear() -> Wear {
+        let law = WearLaw {
+            mechanical_coefficient: 1e-4,
+            current_exponent: 0.0,
+            force_exponent: 0.0,
+            joule_coefficient: 0.0,
+            arc_coefficient: 0.0,
+            hardness: 1e9,
+            melting_heat: 2e5,
+            density: 8960.0,
+        };
+        Wear {
+            current: vec![300.0],
+            film_resistance: 1e-3,
+            constriction_resistance: 2e-3,
+            constriction_exponent: 0.5,
+            arc_voltage: 20.0,
+            arc_gradient: 1000.0,
+            reference_force: 100.0,
+            reference_current: 500.0,
+            contact_length: 0.04,
+            grid: 0.1,
+            applied: WearApplied::Span,
+            depth_step: 1e-5,
+            wire: WireWear {
+                diameter: 0.012,
+                worn_depth: 0.0,
+                limit_percent: 20.0,
+                law,
+            },
+            strip: None,
+        }
+    }
+
+    fn near(found: f64, expected: f64) -> bool {
+        (found - expected).abs() <= 1e-12 * expected.abs()
+    }
+
+    #[test]
+    fn strips_share_the_current_by_their_conductances() {
+        let wear = wear();
+        let circuit = Circuit::new(&wear, 1, 300.0);
+        let even = circuit.shared(&[100.0, 100.0], &[-1e-3, -1e-3]);
+        assert!(near(even.resistance.unwrap(), 1.5e-3) && near(even.voltage, 0.45));
+        assert!(even.currents.iter().all(|current| near(*current, 150.0)));
+        // 25 N: 5 mΩ beside 3 mΩ.
+        let uneven = circuit.shared(&[25.0, 100.0], &[-1e-3, -1e-3]);
+        assert!(near(uneven.currents[0], 300.0 * 3.0 / 8.0) && near(uneven.currents[1], 300.0 * 5.0 / 8.0));
+        let one = circuit.shared(&[0.0, 100.0], &[1e-3, -1e-3]);
+        assert!(one.currents[0] == 0.0 && near(one.currents[1], 300.0) && near(one.voltage, 0.9));
+    }
+
+    #[test]
+    fn an_arc_burns_where_all_are_open_over_the_smallest_gap() {
+        let wear = wear();
+        let open = Circuit::new(&wear, 1, 300.0).shared(&[0.0, 0.0], &[3e-3, 2e-3]);
+        assert_eq!((open.resistance, open.currents), (None, vec![0.0, 300.0]));
+        assert!(near(open.voltage, 22.0));
+        let still = Circuit::new(&wear, 1, 0.0).shared(&[0.0], &[1e-3]);
+        assert_eq!((still.voltage, still.currents), (0.0, vec![0.0]));
+    }
+
+    #[test]
+    fn two_wires_are_two_contacts_of_half_the_force() {
+        let wear = wear();
+        let (one, two) = (Circuit::new(&wear, 1, 300.0), Circuit::new(&wear, 2, 300.0));
+        assert!(near(two.resistance(100.0), 0.5 * one.resistance(50.0)));
+    }
+
+    #[test]
+    fn the_drop_of_a_closed_contact_is_at_most_that_of_an_arc() {
+        let wear = wear();
+        let light = Circuit::new(&wear, 1, 300.0).shared(&[1e-6], &[-1e-9]);
+        assert_eq!(light.voltage, 20.0);
+        assert!(light.resistance.unwrap() > 20.0 / 300.0);
+    }
+}

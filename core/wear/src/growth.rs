@@ -52,3 +52,29 @@ pub fn growth(
     let evening = area * section.width_by_depth(depth) / (width * width);
     Complex::new(1.0 - evening, 0.0) - together * (by_force / width)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pantograph_at_rest_is_its_springs_and_a_fast_one_its_head() {
+        let chain = Lumped::new(1.6, 100.0, &[7.0, 12.0], &[9000.0, 1000.0], &[30.0, 70.0]);
+        let slow = head_stiffness(&chain, 0.0);
+        assert!((slow.re - 900.0).abs() < 1e-9 && slow.im == 0.0);
+        let fast = head_stiffness(&chain, 1e5);
+        // Less springs and dampers, some 1e-6 and 1e-4 of the inertia.
+        assert!((fast / (-7.0 * 1e10) - 1.0).norm() < 1e-3);
+    }
+
+    #[test]
+    fn a_flat_that_grows_wider_evens_a_wave_out_without_any_change_of_the_force() {
+        let section = RoundSection { diameter: 0.012 };
+        let (depth, area, wave) = (1e-3, 1e-10, 1e-6);
+        let factor = growth(Complex::new(1e4, 0.0), 5e4, (area, 0.0), (section, depth));
+        let worn = |depth: f64| section.depth(section.lost(depth) + area);
+        let found = (worn(depth + wave) - worn(depth - wave)) / (2.0 * wave);
+        // The change of one passage is 1e-5; digits of differences of depths bound the rest.
+        assert!((factor.re - found).abs() < 1e-3 * (1.0 - factor.re), "{factor} {found}");
+    }
+}

@@ -1,6 +1,6 @@
 //! `wear.html`.
 
-use results::report::format::short;
+use results::report::format::round_count;
 use results::report::plots::{axis, colour, curve, figure, layout, rounded};
 use results::report::{Page, PageColumn, cells, escape, heads, remarks, saved};
 
@@ -32,7 +32,7 @@ impl Record {
             escape(&self.mode),
             self.passages(),
             1e6 * self.limit_area_m2,
-            short(self.wire_life_passages),
+            round_count(self.wire_life_passages),
         ));
         page.section("Map of wear", &self.map());
         page.section("Passages", &(self.depths() + &self.table_of_blocks()));
@@ -141,7 +141,7 @@ impl Record {
             ("heat", "[mm²/10⁶]", "n", |effect| area(effect.figures.area_m2.joule)),
             ("arcs", "[mm²/10⁶]", "n", |effect| area(effect.figures.area_m2.arc)),
             ("wire lasts", "[passages]", "n", |effect| {
-                short(effect.wire_life_passages)
+                round_count(effect.wire_life_passages)
             }),
             ("strip lasts", "[km]", "n", |effect| strip_life(&effect.figures)),
         ];

@@ -1,6 +1,6 @@
 //! The record on the terminal and as `wear.csv`.
 
-use results::report::format::{decimals, short};
+use results::report::format::{decimals, round_count, short};
 use results::report::{TextColumn, aligned, text_table};
 use results::{OutputDirectory, ResultsError};
 
@@ -33,7 +33,7 @@ pub(crate) fn std(figures: &RunFigures) -> String {
 }
 
 pub(crate) fn strip_life(figures: &RunFigures) -> String {
-    short(figures.strip_life().map(|life| 1e-3 * life))
+    round_count(figures.strip_life().map(|life| 1e-3 * life))
 }
 
 const BLOCKS: &[TextColumn<Block, 2>] = &[
@@ -59,7 +59,9 @@ const FORCES: &[TextColumn<ForceEffect, 2>] = &[
     }),
     (["heat", "[mm²/10⁶]"], |effect| area(effect.figures.area_m2.joule)),
     (["arcs", "[mm²/10⁶]"], |effect| area(effect.figures.area_m2.arc)),
-    (["wire lasts", "[passages]"], |effect| short(effect.wire_life_passages)),
+    (["wire lasts", "[passages]"], |effect| {
+        round_count(effect.wire_life_passages)
+    }),
     (["strip lasts", "[km]"], |effect| strip_life(&effect.figures)),
 ];
 
@@ -73,7 +75,7 @@ impl Record {
             text.push_str(&format!(
                 "  the wire reaches its limit of {:.1} mm² after {} passages, a strip after {} km\n",
                 1e6 * self.limit_area_m2,
-                short(self.wire_life_passages),
+                round_count(self.wire_life_passages),
                 strip_life(&last.figures),
             ));
         }

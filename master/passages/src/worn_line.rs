@@ -1,7 +1,7 @@
 //! Wear of a run as a profile of the line, and the profile as its running surface.
 
 use dynamics::RestingSpline;
-use results::{Evaluation, Record, Wearing, heads};
+use results::{Evaluation, Record, Wearing};
 use scene::{Catenary, Line, Scene, Surface, WearApplied};
 use wear::{Head, Passage, Profile, RoundSection, Terms};
 
@@ -89,7 +89,7 @@ impl WornLine {
     /// An evaluation that covers no whole span, or no place that all pantographs pass in it.
     pub fn lost(&self, evaluation: &Evaluation, record: &Record) -> Result<(Profile, Terms), PassagesError> {
         let passage = self.wearing.passage(evaluation);
-        let heads = heads(evaluation, record);
+        let heads = Wearing::heads(evaluation, record);
         let common = passage.common(&heads).ok_or_else(|| {
             let what = "run.evaluate: the pantographs have no evaluated place in common; must cover a whole span for \
                         each of them";

@@ -44,4 +44,4 @@ pub use summary::{
     Accuracy, ContactForceSummary, Cost, Coupling, ErrorShare, Evaluation, Model, PantographSummary, Part, RunInfo,
     StripSummary, Summary, SupportUplift, Uncertainty, Uplift,
 };
-pub use wearing::{Wearing, heads};
+pub use wearing::Wearing;

@@ -23,6 +23,14 @@ pub fn short(value: Option<f64>) -> String {
     or_dash(significant(value))
 }
 
+/// A large number by its three leading digits, without a power of ten, or `–`.
+pub fn round_count(value: Option<f64>) -> String {
+    or_dash(value.filter(|value| value.is_finite()).map(|value| {
+        let unit = 10.0_f64.powf((value.abs().max(1.0).log10().floor() - 2.0).max(0.0));
+        format!("{}", (value / unit).round() * unit)
+    }))
+}
+
 /// Milliseconds without rounding noise.
 pub fn milliseconds(step: Option<f64>) -> String {
     or_dash(step.map(|step| (1e9 * step).round() / 1e6))

@@ -2,7 +2,7 @@
 
 use wear::{Arc, HeadFigures, WireFigures};
 
-use super::format::{decimals, short};
+use super::format::{decimals, round_count, short};
 use super::label::NamedRun;
 use super::{PageColumn, cells, escape, heads, saved};
 use crate::Summary;
@@ -132,7 +132,7 @@ fn wires(rows: &[Row<'_, WireFigures>]) -> String {
         }),
         ("at", "[m]", "n", |row| format!("{:.1}", row.entry.largest_x_m)),
         ("passages to the limit there", "", "n", |row| {
-            short(row.entry.life_passages)
+            round_count(row.entry.life_passages)
         }),
     ];
     let lines = rows.iter().map(|row| cells(&columns, row));
@@ -158,7 +158,7 @@ fn strips(rows: &[Row<'_, HeadFigures>]) -> String {
             short(row.entry.strip.map(|strip| 1e9 * strip.height_per_m))
         }),
         ("life", "[km]", "n", |row| {
-            short(row.entry.strip.and_then(|strip| strip.life_m).map(|life| 1e-3 * life))
+            round_count(row.entry.strip.and_then(|strip| strip.life_m).map(|life| 1e-3 * life))
         }),
     ];
     let lines = rows.iter().map(|row| cells(&columns, row));
@@ -189,7 +189,7 @@ pub(super) fn lines(summary: &Summary) -> String {
             text.push_str(&format!(
                 "  strip of pantograph {number}: {} mm in 1000 km, lasts {} km\n",
                 short(Some(1e9 * strip.height_per_m)),
-                short(strip.life_m.map(|life| 1e-3 * life)),
+                round_count(strip.life_m.map(|life| 1e-3 * life)),
             ));
         }
     }
@@ -203,7 +203,7 @@ pub(super) fn lines(summary: &Summary) -> String {
             short(area(wire.area_m2.arc)),
             short(area(wire.largest_area_m2)),
             wire.largest_x_m,
-            short(wire.life_passages),
+            round_count(wire.life_passages),
         ));
     }
     text
