@@ -250,3 +250,124 @@ fn the_air_lifts_the_head_and_its_strips_have_equal_parts_of_it() {
         );
     }
 }
+
+/// A short strip with long horns under a wire that leads beyond the strip at every support.
+const HORNS: [&str; 2] = [
+    "catenary.stagger=[0.3, -0.3]",
+    "pantograph[1].strip={ width = 0.4, horns = { y = [0.25, 0.35, 0.5], z = [-0.005, -0.03, -0.12] } }",
+];
+
+/// Largest distance of the wire from the middle of the head while they touch, m.
+fn farthest(run: &Run) -> f64 {
+    let strip = &run.record.pantographs[0];
+    let touching = strip.aside.iter().zip(&strip.force).filter(|(_, force)| **force > 0.0);
+    touching.map(|(aside, _)| aside.abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_wire_on_the_horns_is_coupled_as_in_one_system() {
+    let [whole, coupled] = [Mode::Monolithic, Mode::Inprocess].map(|mode| short(mode, &HORNS));
+    let percent = 100.0 * whole.filtered_difference(&coupled) / whole.sigma();
+    let aside = farthest(&whole);
+    println!(
+        "horns: {percent:.4} % of σ = {:.2} N, {aside:.3} m from the middle",
+        whole.sigma()
+    );
+    assert!(aside > 0.22, "{aside}");
+    assert!(percent < 0.2, "{percent} %");
+    let notes = &whole.summary.notes;
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("the wire was on a horn of the head")),
+        "{notes:?}"
+    );
+    let time = ["run.duration=0.5", "run.evaluate={time=[0.1,0.4]}"];
+    let [own, fmus] = [Mode::Inprocess, Mode::Cosimulation].map(|mode| short(mode, &[&HORNS[..], &time].concat()));
+    assert_eq!(own.record.pantographs, fmus.record.pantographs);
+}
+
+/// The wire of the second tension length comes from beside the head, down onto a horn and up to the strip.
+#[test]
+fn a_wire_that_comes_from_the_side_at_an_overlap_rises_up_the_horn() {
+    let keys = [
+        "catenary.tension_length[2].contact_wire_height=[5.8, 5.3, 5.3, 5.3, 5.3, 5.3, 5.3, 5.3]",
+        "catenary.tension_length[2].stagger=[1.2, 0.4, 0.1, -0.1, 0.2, -0.2, 0.2, -0.2]",
+        "pantograph[1].strip={ width = 0.5, horns = { y = [0.3, 0.4, 0.6], z = [-0.005, -0.03, -0.15] } }",
+        "catenary.mesh.elements_per_interval=2",
+        "run.start_x=230",
+        "run.duration=2.2",
+        "run.evaluate={time=[0.2,2.1]}",
+    ];
+    let overlap = include_str!("../scenes/overlap.toml");
+    let [whole, coupled] =
+        [Mode::Monolithic, Mode::Inprocess].map(|mode| run(scene_with(overlap, &keys), mode, "horns"));
+    let percent = 100.0 * whole.filtered_difference(&coupled) / whole.sigma();
+    println!(
+        "overlap: {percent:.4} % of σ = {:.2} N, {:.3} m aside",
+        whole.sigma(),
+        farthest(&whole)
+    );
+    for note in &whole.summary.notes {
+        println!("{note}");
+    }
+    assert!(percent < 0.2, "{percent} %");
+}
+
+#[test]
+fn a_start_on_a_horn_is_at_rest_and_energy_is_accounted_for() {
+    let still = [
+        HORNS[0],
+        HORNS[1],
+        "run.start_x=5",
+        "coupling.macro_step=5e-4",
+        "solver.micro_step=5e-4",
+        "solver.rho_inf=1",
+        "catenary.damping.alpha=0",
+        "catenary.damping.beta=0",
+        "pantograph[1].dampings=[0, 0]",
+    ];
+    let scene = scene_with(EN_250, &[&SHORT[..], &still].concat());
+    let (run, evidence) = audited(prepared(scene, "horns"), "horns");
+    let strip = &run.record.pantographs[0];
+    // Vertical equilibrium: the pantograph pushes with its force at rest, of which the horn takes more.
+    println!("{} {:?}", strip.force[0], evidence);
+    assert!(strip.aside[0].abs() > 0.2 && strip.force[0] > 100.0);
+    let early = &strip.strip_z[..20];
+    assert!(early.iter().all(|z| (z - early[0]).abs() < 1e-3), "{early:?}");
+    let made = evidence.worst_residual.abs() / evidence.exchanged;
+    assert!(made < 0.01, "{made}");
+}
+
+#[test]
+fn a_linearised_line_carries_horns() {
+    let of = |reduce: &str| short(Mode::Monolithic, &[HORNS[0], HORNS[1], reduce]);
+    let [whole, linear] = ["model.reduce=[]", "model.reduce=[\"linearised\"]"].map(of);
+    let percent = 100.0 * whole.filtered_difference(&linear) / whole.sigma();
+    println!("linearised: {percent:.3} % of σ");
+    // As much as without horns.
+    assert!(farthest(&linear) > 0.22 && percent < 1.0, "{percent} %");
+}
+
+#[test]
+fn a_wire_blown_over_the_end_of_a_horn_is_lost_and_told() {
+    let keys = [
+        "catenary.stagger=[-0.35, -0.35]",
+        HORNS[1],
+        "run.start_x=55",
+        "wind={ speed=38, yaw_deg=90, air_density=1.225, wires={ drag_coefficient=1.2, contact_wire_diameter=0.0135, \
+         messenger_wire_diameter=0.012 } }",
+    ];
+    let run = short(Mode::Monolithic, &keys);
+    for note in &run.summary.notes {
+        println!("{note}");
+    }
+    println!("{}", farthest(&run));
+    let notes = &run.summary.notes;
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("over the end of a horn (dewirement)")),
+        "{notes:?}"
+    );
+}

@@ -32,6 +32,7 @@
 //! | `modal` | motion in modes |
 //! | `simd` | numbers of several owners side by side in vector registers |
 //! | `resting_spline` | smooth curves through samples |
+//! | `monotone_cubic` | curves that rise or fall only where their samples do |
 //! | `wind` | wind along the track, and its forces |
 //! | `testing` | checks of laws by differences, for tests |
 //!
@@ -56,6 +57,7 @@ mod linear;
 mod linear_force;
 mod marker;
 pub mod modal;
+mod monotone_cubic;
 mod motion;
 mod random;
 mod resting_spline;
@@ -83,6 +85,7 @@ pub use linear::{BlockTridiagonal, LocalColumn};
 pub use linear::{FactoredMatrix, Lu, SparseMatrix, Updates};
 pub use linear_force::LinearForce;
 pub use marker::{Column, Columns, Frame, Marker};
+pub use monotone_cubic::{MonotoneCubic, monotone_slopes};
 pub use motion::{Motion, State};
 pub use random::SplitMix64;
 pub use resting_spline::RestingSpline;

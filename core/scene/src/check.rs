@@ -114,6 +114,20 @@ impl Scene {
                 format!("must be \"penalty\" on a line of {wires} contact wires: a joint holds a strip on one");
             refuse(found, "contact.law", "\"sliding_joint\"", expected);
         }
+        let horned = self
+            .pantographs
+            .iter()
+            .position(|pantograph| pantograph.horns().is_some());
+        if let Some(index) = horned.filter(|_| joined) {
+            let expected = "must be left out under contact.law = \"sliding_joint\", which holds the strip on the wire \
+                            wherever the wire goes";
+            refuse(
+                found,
+                format!("pantograph[{}].strip.horns", index + 1),
+                "{ … }",
+                expected,
+            );
+        }
         let other = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
         if let Some(index) = self.pantographs.iter().position(other).filter(|_| joined) {
             let expected = format!(
@@ -277,13 +291,13 @@ impl Scene {
                 );
             }
             // The strips of a head are of one width.
-            let Some(width) = self.pantographs[head].strip_width().filter(|_| own == 0) else {
+            let Some(half) = self.pantographs[head].half_length().filter(|_| own == 0) else {
                 continue;
             };
             // Wires on their way to an anchor are above the strips and may be beside them.
             let outside = catenary.tension_lengths.iter().enumerate().flat_map(|(number, line)| {
                 let staggers = (0..=line.spans()).map(move |support| (number, support, line.stagger_at(support)));
-                staggers.filter(|(.., stagger)| (stagger - aside).abs() > width / 2.0)
+                staggers.filter(|(.., stagger)| (stagger - aside).abs() > half)
             });
             let outside = outside.filter(|(number, support, _)| catenary.is_in_reach(*number, *support));
             let outermost = outside.max_by(|a, b| (a.2 - aside).abs().total_cmp(&(b.2 - aside).abs()));
@@ -294,11 +308,15 @@ impl Scene {
                 } else {
                     format!(" of {aside} m, the y of vehicle.pantograph_base")
                 };
+                let reach = match self.pantographs[head].horns() {
+                    Some(_) => "half the length of the head under",
+                    None => "half the width of",
+                };
                 refuse(
                     found,
                     format!("{}.stagger[{}]", catenary.key_of(number), k + 1),
                     shown_number(stagger, "m"),
-                    format!("must be within ±{} m{middle}, half the width of {strip}", width / 2.0),
+                    format!("must be within ±{half} m{middle}, {reach} {strip}"),
                 );
             }
         }
@@ -385,6 +403,9 @@ impl Pantograph {
             PantographModel::Lumped(lumped) => lumped.check(path, found),
             PantographModel::Linkage(linkage) => linkage.check(path, found),
             PantographModel::Supplied(side) => side.check(path, found),
+        }
+        if let (Some(horns), Some(width)) = (self.horns(), self.strip_width()) {
+            horns.check(width, path, found);
         }
         self.check_strip_starts(path, found);
     }

@@ -7,6 +7,9 @@ use crate::{Body, Joint, JointKind, Linkage};
 /// Below this a length in m is zero.
 const NO_LENGTH: f64 = 1e-9;
 
+/// Largest deviation of the cosine of an upright axis from 1, –: a milliradian.
+const UPRIGHT: f64 = 1e-6;
+
 impl Linkage {
     pub(crate) fn check(&self, path: &str, found: &mut Found) {
         self.check_bodies(path, found);
@@ -18,9 +21,26 @@ impl Linkage {
         }
         // What follows walks from body to body by name.
         if found.is_empty() {
+            self.check_upright(path, found);
             self.check_mobility(path, found);
             self.check_collector_suspension(path, found);
             self.check_uplift(path, found);
+        }
+    }
+
+    /// The third axis of the strip's body points up from its horns.
+    fn check_upright(&self, path: &str, found: &mut Found) {
+        let Some(body) = self.body(&self.strip.body).filter(|_| self.strip.horns.is_some()) else {
+            return;
+        };
+        let [_, across, up] = body.rotation();
+        if (across[1] - 1.0).abs().max((up[2] - 1.0).abs()) > UPRIGHT {
+            let expected = format!(
+                "must be left out, or orientation of {:?} be such that its second axis is lateral and its third one \
+                 upright, as [0, 0, 0] is: horns fall from the strip against the third axis of its body",
+                self.strip.body
+            );
+            refuse(found, format!("{path}.strip.horns"), "{ … }", expected);
         }
     }
 

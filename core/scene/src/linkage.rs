@@ -1,6 +1,8 @@
 //! `model = "linkage"`: a pantograph of rigid bodies and joints.
 
+use crate::Horns;
 use crate::keys::{Entry, Keys, Number, Sentences};
+use crate::pantograph::HORNS;
 
 /// `model = "linkage"`.
 ///
@@ -27,6 +29,8 @@ pub struct Linkage {
 pub struct LinkageStrip {
     /// Lateral width, m.
     pub width: f64,
+    /// Bent ends of the head beyond the strip; none is a head that ends with its strip.
+    pub horns: Option<Horns>,
     /// Name of the body that carries it.
     pub body: String,
     /// Its middle relative to the body's centre of mass, in the body's axes, m, 3 entries.
@@ -164,6 +168,7 @@ const A_BODY: &str = "the name of a body";
 impl Entry for LinkageStrip {
     const SENTENCES: Sentences = &[
         ("width", "Lateral width of the strip."),
+        ("horns", HORNS),
         ("body", "Name of the body that carries the strip."),
         (
             "offset",
@@ -174,6 +179,7 @@ impl Entry for LinkageStrip {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             width: keys.number("width", was.map(|strip| strip.width), Number::positive("m")),
+            horns: keys.optional_inline_table("horns", was.map(|strip| strip.horns.as_ref())),
             body: keys.text("body", was.map(|strip| strip.body.as_str()), A_BODY),
             offset: keys.vector("offset", was.map(|strip| strip.offset), Number::any("m")),
         }

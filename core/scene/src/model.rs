@@ -166,7 +166,7 @@ impl Scene {
             }
             match reduction {
                 Reduction::Planar | Reduction::Flat => {
-                    if let Some(reason) = self.pushed_sideways() {
+                    if let Some(reason) = self.pushed_sideways().or_else(|| self.horns_out_of_plane()) {
                         left_out(reduction, reason);
                     }
                 }
@@ -193,9 +193,30 @@ impl Scene {
                                   penalty law";
                     left_out(reduction, reason.to_owned());
                 }
-                Reduction::Linearised | Reduction::Window | Reduction::Modal => {}
+                Reduction::Modal => {
+                    if let Some(reason) = self.horns_out_of_plane() {
+                        left_out(
+                            reduction,
+                            format!("{reason}, and \"modal\" lets strips lift the wire only"),
+                        );
+                    }
+                }
+                Reduction::Linearised | Reduction::Window => {}
             }
         }
+    }
+
+    /// Why horns forbid a line that strips do not push sideways.
+    fn horns_out_of_plane(&self) -> Option<String> {
+        let index = self
+            .pantographs
+            .iter()
+            .position(|pantograph| pantograph.horns().is_some())?;
+        let reason = self.leaves_its_plane()?;
+        Some(format!(
+            "{reason}, so that the wire may come onto pantograph[{}].strip.horns, which push it sideways",
+            index + 1
+        ))
     }
 
     /// True under a sliding joint.

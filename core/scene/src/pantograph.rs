@@ -1,8 +1,10 @@
 //! `[[pantograph]]`: one table per pantograph, the first one leads.
 
+use dynamics::MonotoneCubic;
+
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, Sentences, placeholder};
-use crate::{Control, HeadPitch, HeadStrip, Linkage, Supplied};
+use crate::{Control, HeadPitch, HeadStrip, Horns, Linkage, Supplied};
 
 /// `[[pantograph]]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,10 +42,12 @@ pub struct Start {
 }
 
 /// `pantograph.strip` of a lumped pantograph.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     /// Lateral width of the strip, m, centred on the track.
     pub width: f64,
+    /// Bent ends of the head beyond the strip; none is a head that ends with its strip.
+    pub horns: Option<Horns>,
 }
 
 /// `model = "lumped"`: n masses in a vertical chain, collector head first.
@@ -83,7 +87,10 @@ impl Lumped {
     #[must_use]
     pub fn new(strip_width: f64, static_force: f64, masses: &[f64], stiffnesses: &[f64], dampings: &[f64]) -> Self {
         Self {
-            strip: Strip { width: strip_width },
+            strip: Strip {
+                width: strip_width,
+                horns: None,
+            },
             static_force,
             aero_coefficient: 0.0,
             masses: masses.to_vec(),
@@ -149,7 +156,33 @@ impl Pantograph {
             PantographModel::Supplied(_) => None,
         }
     }
+
+    /// Horns of the head, where it has some.
+    #[must_use]
+    pub fn horns(&self) -> Option<&Horns> {
+        match &self.model {
+            PantographModel::Lumped(lumped) => lumped.strip.horns.as_ref(),
+            PantographModel::Linkage(linkage) => linkage.strip.horns.as_ref(),
+            PantographModel::Supplied(_) => None,
+        }
+    }
+
+    /// Largest distance from the middle of the head at which a wire rests on it, m, where the scene says it.
+    #[must_use]
+    pub fn half_length(&self) -> Option<f64> {
+        let horns = self.horns().map(Horns::half_length);
+        horns.or_else(|| Some(0.5 * self.strip_width()?))
+    }
+
+    /// Height of the top of a head with horns above its strip over the distance from its middle, m.
+    #[must_use]
+    pub fn top(&self) -> Option<MonotoneCubic> {
+        Some(self.horns()?.top(self.strip_width()?))
+    }
 }
+
+/// Sentence on the horns of a strip.
+pub(crate) const HORNS: &str = "Bent ends of the head beyond the straight strip, on which a wire rests too; left out, the head ends with the strip.";
 
 /// The words of `model`.
 #[derive(Clone, Copy, PartialEq)]
@@ -301,11 +334,15 @@ impl Entry for Start {
 }
 
 impl Entry for Strip {
-    const SENTENCES: Sentences = &[("width", "Lateral width of the strip, centred on the track.")];
+    const SENTENCES: Sentences = &[
+        ("width", "Lateral width of the strip, centred on the track."),
+        ("horns", HORNS),
+    ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             width: keys.number("width", was.map(|strip| strip.width), Number::positive("m")),
+            horns: keys.optional_inline_table("horns", was.map(|strip| strip.horns.as_ref())),
         }
     }
 }

@@ -314,6 +314,7 @@ impl PantographModel {
         AppliedForce {
             marker: self.strip_at(strip),
             first,
+            top: None,
         }
     }
 

@@ -93,7 +93,11 @@ impl Subsystem {
         pantograph.add_wind_input(strips * AppliedForce::INPUTS);
         let mut state = layout.state_at_rest();
         pantograph.set_initial(&rest, &mut state);
-        let contacts = (0..strips).map(|strip| pantograph.applied_force_at(strip, strip * AppliedForce::INPUTS));
+        let top = scene.pantographs[index].top();
+        let contacts = (0..strips).map(|strip| AppliedForce {
+            top: top.clone(),
+            ..pantograph.applied_force_at(strip, strip * AppliedForce::INPUTS)
+        });
         let contacts = contacts.collect();
         let forces: Vec<f64> = (0..strips)
             .map(|strip| {
@@ -419,8 +423,6 @@ impl Subsystem {
 fn power(contact: &AppliedForce, motion: &Motion<'_>) -> f64 {
     let frame = contact.marker.frame(motion);
     let u = &motion.u[contact.first..];
-    let lateral: Vector3<f64> = frame.axes.column(1).into();
-    let lever = lateral * ((u[3] - frame.position.y) / lateral.y);
-    let velocity = frame.velocity + frame.angular_velocity.cross(&lever);
+    let velocity = frame.velocity + frame.angular_velocity.cross(&contact.lever(&frame, motion));
     Vector3::new(u[0], u[1], u[2]).dot(&velocity)
 }

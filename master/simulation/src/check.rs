@@ -6,7 +6,7 @@ use catenary::{BlowOffReport, StaticsReport};
 use serde::Serialize;
 
 use crate::{Other, Prepared, SetupError, evaluated_spans, line_of};
-use crate::{check_page, strip_overrun};
+use crate::{check_page, horns, strip_overrun};
 use results::Model;
 use results::standards::{Limit, limits_at_rest};
 use scene::{Catenary, Scene};
@@ -159,6 +159,7 @@ impl Report {
             others: prepared.others.clone(),
             notes: (prepared.notes(prepared.scene.internal_step()).into_iter())
                 .chain(strip_overrun::foreseen(scene))
+                .chain(horns::foreseen(scene))
                 .collect(),
         })
     }

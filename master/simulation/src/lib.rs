@@ -9,6 +9,7 @@ pub mod check_page;
 mod controlled;
 mod error;
 pub mod galloping;
+mod horns;
 pub mod identity;
 pub mod latency;
 pub mod memory;
@@ -510,6 +511,7 @@ impl Prepared {
             .chain(outcome.notes)
             .chain(sliding_joint::remarks(scene, &record))
             .chain(strip_overrun::remarks(scene, &record))
+            .chain(horns::remarks(scene, &record))
             .chain(controlled::remarks(scene, &evaluation, &record))
             .chain(wearing::remarks(scene))
             .collect();

@@ -58,22 +58,22 @@ fn beside(samples: impl Iterator<Item = (f64, f64)>, half: f64) -> Option<Beside
     })
 }
 
-/// Pantographs (from 0) with half the width of their strips, m, where that counts: not of a strip that is held on the
+/// Pantographs (from 0) with half the width of their strips, or half the length of a head with horns, m, where that counts: not of a strip that is held on the
 /// wire, nor under a line or on a pantograph that is supplied, whose strip and wire are not known.
-fn half_widths(scene: &Scene) -> Vec<(usize, f64)> {
+fn reaches(scene: &Scene) -> Vec<(usize, f64)> {
     if sliding_joint::holds(scene) || scene.modelled_line().is_none() {
         return Vec::new();
     }
     let strips = scene.pantographs.iter().enumerate();
     strips
-        .filter_map(|(index, pantograph)| Some((index, 0.5 * pantograph.strip_width()?)))
+        .filter_map(|(index, pantograph)| Some((index, pantograph.half_length()?)))
         .collect()
 }
 
 /// Notes of a run on wires beside strips.
 #[must_use]
 pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
-    let seen = half_widths(scene).into_iter().filter_map(|(index, half)| {
+    let seen = reaches(scene).into_iter().filter_map(|(index, half)| {
         // Strips of a head see the same wire one after the other: the first that it passes is told of.
         let strips = record.pantographs.get(index)?.each_strip().iter();
         let found = strips.filter_map(|strip| {
@@ -96,7 +96,7 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
     let motion = GivenMotion::new(entry);
     let step = scene.run.output_step.max(scene.run.duration / SAMPLES);
     let count = (scene.run.duration / step) as usize;
-    let mechanisms = half_widths(scene).into_iter().filter(|(index, _)| {
+    let mechanisms = reaches(scene).into_iter().filter(|(index, _)| {
         let model = &scene.pantographs[*index].model;
         matches!(model, PantographModel::Linkage(_))
     });
@@ -130,10 +130,14 @@ fn remark(scene: &Scene, index: usize, half: f64, found: &Beside, what: &str) ->
     } else {
         String::new()
     };
+    let (beside, extent) = match scene.pantographs[index].horns() {
+        Some(_) => ("its head, over the end of a horn (dewirement)", "length of the head"),
+        None => ("its strip", "width of the strip"),
+    };
     format!(
-        "pantograph {}: {what} beside its strip, where there is no contact force, from t = {:.3} s (x = {:.1} m) to \
+        "pantograph {}: {what} beside {beside}, where there is no contact force, from t = {:.3} s (x = {:.1} m) to \
          {:.3} s{spells}: up \
-         to {:.3} m from the middle of the strip, at t = {:.3} s, and half the width of the strip is {half} m",
+         to {:.3} m from the middle of the strip, at t = {:.3} s, and half the {extent} is {half} m",
         index + 1,
         found.from,
         scene.head_x(index, found.from),

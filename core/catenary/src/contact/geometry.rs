@@ -1,6 +1,6 @@
 //! Closest points of a wire and a strip.
 use crate::{CurvePoint, WireCurve};
-use dynamics::Frame;
+use dynamics::{Frame, MonotoneCubic};
 use nalgebra::Vector3;
 
 /// The closest points of a wire and the line of a strip, and their common normal.
@@ -16,6 +16,15 @@ use nalgebra::Vector3;
 /// `d` is normal to both `r_s` and `e`, so `d = g n`. The thesis takes `p` as one point of the pan-head and holds that
 /// point to the wire along both normals; the strip here is a line, so its point follows the wire and `n₁` carries no
 /// force. The normal is vertical for parallel wire and strip [Thesis, Eq. (9)].
+///
+/// *Horns.* The top of a head with horns is the curve `c(y) = p + y e + h(|y|) u`, `u` the third axis of the marker.
+/// The closest points of wire and curve are those of the wire and the tangent of the curve at its own point, the line
+/// through `p + a` with the unit tangent `t` for axis, so that `η = 0`; its turn along the arc length `σ` of the curve
+/// is the only other term (*derived here*):
+///
+/// ```text
+/// d · t = 0,    δσ = γ (t · δd + d · δt)|σ,    γ = 1/(1 − d · t_σ),    a = y e + h u
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactGeometry {
     /// Parameter of the point on the wire, m.
@@ -24,8 +33,16 @@ pub struct ContactGeometry {
     pub wire: CurvePoint,
     /// Axis of the strip, unit vector.
     pub axis: Vector3<f64>,
-    /// Position of the contact along the strip, m from the marker.
+    /// Position of the contact along the axis, m from the foot of the axis.
     pub eta: f64,
+    /// Place of the contact on the head, m from the marker: `eta` on a straight strip.
+    pub place: f64,
+    /// Foot of the axis from the marker, m; zero on a straight strip.
+    pub foot: Vector3<f64>,
+    /// Turn of the axis along the top of the head, `t_σ`, 1/m; zero on a straight strip.
+    pub bend: Vector3<f64>,
+    /// `γ`, –: way of the contact along a bent top for each metre along the axis; 1 on a straight strip.
+    pub gain: f64,
     /// Common normal, unit vector from the strip to the wire: upwards.
     pub normal: Vector3<f64>,
     /// `|r_s × e|`, –; 0 for parallel wire and strip.
@@ -42,7 +59,70 @@ pub struct ContactGeometry {
 const TOLERANCE: f64 = 1e-11;
 const ITERATIONS: usize = 12;
 
+/// Distance of the contact from the foot of its tangent at which the search on a horn stops, m.
+const ON_HORN: f64 = 1e-10;
+/// More than halving the longest horn down to [`ON_HORN`] takes.
+const HALVINGS: usize = 60;
+
 impl ContactGeometry {
+    /// [`ContactGeometry::search`] on a head whose top is at the height `top` over the distance from its middle: on the
+    /// straight part between the horns that search itself. Beyond the end of a horn its end tangent goes on.
+    #[must_use]
+    pub fn search_on(
+        top: &MonotoneCubic,
+        curve: &dyn WireCurve,
+        strip: &Frame,
+        start: f64,
+        (q, v): (&[f64], &[f64]),
+    ) -> Option<Self> {
+        let mut found = Self::search(curve, strip, start, q, v)?;
+        let [mut low, mut high] = top.range();
+        let (side, end) = (found.eta.signum(), high);
+        if found.eta.abs() <= low {
+            return Some(found);
+        }
+        let (across, up): (Vector3<f64>, Vector3<f64>) = (found.axis, strip.axes.column(2).into());
+        let mut place = found.eta.abs().min(end);
+        for _ in 0..HALVINGS {
+            let [height, slope, bend] = top.at(place);
+            let length = slope.hypot(1.0);
+            let foot = side * place * across + height * up;
+            let mut tangent = *strip;
+            tangent.position += foot;
+            tangent.velocity += strip.angular_velocity.cross(&foot);
+            tangent.axes.set_column(1, &((across + side * slope * up) / length));
+            found = Self::search(curve, &tangent, found.s, q, v)?;
+            let turn = bend / length.powi(4) * (up - side * slope * across);
+            found.gain = 1.0 / (1.0 - found.gap * found.normal.dot(&turn));
+            let beyond = side * found.eta;
+            (found.place, found.foot, found.bend) = (side * (place + beyond / length), foot, turn);
+            if beyond.abs() <= ON_HORN || (place == end && beyond > 0.0) {
+                break;
+            }
+            if beyond > 0.0 {
+                low = place;
+            } else {
+                high = place;
+            }
+            place += found.gain * beyond / length;
+            if place >= end {
+                place = end;
+            } else if !(low < place && place < high) {
+                place = 0.5 * (low + high);
+            }
+        }
+        // ∂C_e/∂s with the contact that moves on along the bent top.
+        let along = found.axis.dot(&found.wire.r_s);
+        found.slope += (1.0 - found.gain) * along * along;
+        Some(found)
+    }
+
+    /// Contact on the head from the strip's marker, m.
+    #[must_use]
+    pub fn lever(&self) -> Vector3<f64> {
+        self.foot + self.eta * self.axis
+    }
+
     /// Finds the contact by Newton on the arc length [Thesis, section 4.2.2] from `start`, else by bisection over the
     /// whole wire. `None` for a strip before the beginning or behind the end of the wire.
     #[must_use]
@@ -107,6 +187,10 @@ impl ContactGeometry {
             s,
             axis: *axis,
             eta,
+            place: eta,
+            foot: Vector3::zeros(),
+            bend: Vector3::zeros(),
+            gain: 1.0,
             normal,
             normal_length,
             gap: offset.dot(&normal),
@@ -120,7 +204,7 @@ impl ContactGeometry {
     /// along the wire's direction across the strip.
     #[must_use]
     pub fn tangent(&self) -> Vector3<f64> {
-        (self.wire.r_s - self.axis * self.axis.dot(&self.wire.r_s)) / self.slope
+        (self.wire.r_s - self.axis * (self.gain * self.axis.dot(&self.wire.r_s))) / self.slope
     }
 }
 

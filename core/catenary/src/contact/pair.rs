@@ -4,7 +4,7 @@ use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, OnWire, PenaltyContact};
 use crate::{CurveColumns, UnilateralStart, UnilateralStep, WireCurve};
-use dynamics::{Columns, Force, Frame, LowRank, Marker, Motion, Power, StepHistory, Updates, Weights};
+use dynamics::{Columns, Force, Frame, LowRank, Marker, MonotoneCubic, Motion, Power, StepHistory, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -26,6 +26,10 @@ pub struct ContactPair {
     curve: Arc<dyn WireCurve>,
     strip: Box<dyn Marker>,
     width: f64,
+    /// Top of a head with horns over the distance from its middle.
+    top: Option<MonotoneCubic>,
+    /// True while a wire that has passed the end of a horn is below it: under the head, and not on it.
+    slipped: bool,
     tangent: ContactTangent,
     /// Last parameter on the wire, from which the next search starts.
     s: f64,
@@ -64,6 +68,8 @@ impl ContactPair {
             curve,
             strip,
             width,
+            top: None,
+            slipped: false,
             tangent,
             s: 0.0,
             share: 1.0,
@@ -79,10 +85,18 @@ impl ContactPair {
         }
     }
 
+    /// The same strip on a head with horns, whose top is at the height `top` above the strip over the distance from its
+    /// middle; `None` is a head that ends with its strip.
+    #[must_use]
+    pub fn with_horns(self, top: Option<MonotoneCubic>) -> Self {
+        Self { top, ..self }
+    }
+
     /// Limits the stiffness to `limit` (N/m) for statics; true if the limit lowers it. Forgets the beginning of the
     /// step.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
         self.reached = UnilateralStart::Unknown;
+        self.slipped = false;
         self.load.forget();
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
@@ -102,7 +116,8 @@ impl ContactPair {
 
     /// Finds the contact for a motion; `None` for a strip beyond the ends of the wire.
     ///
-    /// A contact beside the strip (further than half its width from its middle) has a gap but no force.
+    /// A contact beside the strip (further than half its width, or the end of its horn, from its middle) has a gap but
+    /// no force.
     #[must_use]
     pub fn state(&self, motion: &Motion<'_>) -> Option<ContactState> {
         self.state_under(&self.strip.frame(motion), motion)
@@ -110,7 +125,11 @@ impl ContactPair {
 
     /// [`ContactPair::state`] for a strip known to be at `frame`.
     fn state_under(&self, frame: &Frame, motion: &Motion<'_>) -> Option<ContactState> {
-        let geometry = ContactGeometry::search(&*self.curve, frame, self.s, motion.q, motion.v)?;
+        let (curve, q, v) = (&*self.curve, motion.q, motion.v);
+        let geometry = match &self.top {
+            None => ContactGeometry::search(curve, frame, self.s, q, v),
+            Some(top) => ContactGeometry::search_on(top, curve, frame, self.s, (q, v)),
+        }?;
         let beside = self.is_beside(&geometry);
         let compliance = self.curve.compliance(geometry.s);
         Some(ContactState::new(
@@ -144,9 +163,23 @@ impl ContactPair {
         contact
     }
 
-    /// True if the wire passes the strip further than half its width from its middle.
+    /// True if the wire passes the strip further than half its width, or the end of its horn, from its middle.
     fn is_beside(&self, geometry: &ContactGeometry) -> bool {
-        geometry.eta.abs() > 0.5 * self.width
+        let half = (self.top.as_ref()).map_or(0.5 * self.width, |top| top.range()[1]);
+        self.slipped || geometry.place.abs() > half
+    }
+
+    /// Takes in whether the wire is below the end of a horn beside the head; a wire that comes back there is under the
+    /// head until it has been above its top again.
+    fn follow_end_of_horn(&mut self, motion: &Motion<'_>) {
+        if self.top.is_none() {
+            return;
+        }
+        let was = std::mem::take(&mut self.slipped);
+        if let Some(contact) = self.state(motion) {
+            let beside = was || self.is_beside(&contact.geometry);
+            self.slipped = beside && contact.geometry.gap < 0.0;
+        }
     }
 
     /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire
@@ -236,7 +269,7 @@ impl Force for ContactPair {
         }
         let mut strip = Columns::default();
         self.strip.columns(motion, &mut strip);
-        strip.add_force(&-on_wire, &(geometry.eta * geometry.axis), force);
+        strip.add_force(&-on_wire, &geometry.lever(), force);
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
@@ -337,6 +370,7 @@ impl StepHistory for ContactPair {
         self.load.end_step(motion.t, force.unwrap_or(0.0));
         self.reached = reached;
         self.in_step = false;
+        self.follow_end_of_horn(motion);
     }
 
     fn save(&self, out: &mut Vec<f64>) {
@@ -345,6 +379,9 @@ impl StepHistory for ContactPair {
         self.step.start.save(out);
         self.reached.save(out);
         self.load.save(out);
+        if self.top.is_some() {
+            out.push(f64::from(u8::from(self.slipped)));
+        }
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
@@ -353,6 +390,9 @@ impl StepHistory for ContactPair {
             self.step = UnilateralStep::new(UnilateralStart::restored(values), half);
             self.reached = UnilateralStart::restored(values);
             self.load.restore(values);
+            if self.top.is_some() {
+                self.slipped = values.next().is_some_and(|&slipped| slipped != 0.0);
+            }
             (self.found, self.in_step) = (None, false);
         }
     }
@@ -361,3 +401,7 @@ impl StepHistory for ContactPair {
 #[cfg(test)]
 #[path = "tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "tests/horns.rs"]
+mod horns;

@@ -20,7 +20,7 @@ impl<'a> Sides<'a> {
             geometry,
             wire: CurveColumns::default(),
             strip: Columns::default(),
-            lever: geometry.eta * geometry.axis,
+            lever: geometry.lever(),
         };
         curve.columns(geometry.s, &mut sides.wire);
         strip.columns(motion, &mut sides.strip);
@@ -94,10 +94,9 @@ impl<'a> Sides<'a> {
                 let turned = variation.normal.dot(&c.n) + variation.s * n.dot(&c.n_s);
                 matrix[i * size + j] = -(change * n.dot(&c.n) + weight * force * turned);
             }
-            let lever_change = variation.eta * geometry.axis + geometry.eta * variation.axis;
             for (i, c) in strip.iter().enumerate() {
                 let at_contact = c.translation + c.rotation.cross(&self.lever);
-                let turned = variation.normal.dot(&at_contact) + n.dot(&c.rotation.cross(&lever_change));
+                let turned = variation.normal.dot(&at_contact) + n.dot(&c.rotation.cross(&variation.lever));
                 matrix[(wire.len() + i) * size + j] = change * n.dot(&at_contact) + weight * force * turned;
             }
         }

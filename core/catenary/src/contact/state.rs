@@ -75,8 +75,8 @@ pub struct Sensitivity {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Variation {
     pub s: f64,
-    pub eta: f64,
-    pub axis: Vector3<f64>,
+    /// Of the way from the strip's marker to the contact.
+    pub lever: Vector3<f64>,
     pub normal: Vector3<f64>,
     pub gap: f64,
     pub gap_rate: f64,
@@ -172,6 +172,16 @@ impl ContactState {
             return normal;
         }
         normal + self.drive() * self.geometry.tangent()
+    }
+
+    /// Part of the contact force that a strip bears at rest, N: all of it, on a horn its vertical part.
+    #[must_use]
+    pub fn borne(&self) -> f64 {
+        if self.geometry.foot == Vector3::zeros() {
+            self.force
+        } else {
+            -self.force_on_strip().z
+        }
     }
 
     /// `½ g_s F²`, N.
@@ -313,28 +323,29 @@ pub(super) fn vary(
     let (p, theta) = moved.unwrap_or_default();
     let e = g.axis;
     let axis = theta.cross(&e);
-    let w = g.wire.r - strip.position;
+    let foot = theta.cross(&g.foot);
+    let w = g.wire.r - (strip.position + g.foot);
     let d = w - g.eta * e;
-    let apart = r - p;
-    let d_change = apart - e * e.dot(&apart) - g.eta * axis - e * axis.dot(&w);
+    let apart = r - (p + foot);
+    let d_change = apart - e * (g.gain * e.dot(&apart)) - g.eta * axis - e * (g.gain * axis.dot(&w));
     let s = -(d_change.dot(&g.wire.r_s) + d.dot(&r_s)) / g.slope;
     let apart = apart + s * g.wire.r_s;
-    let eta = axis.dot(&w) + e.dot(&apart);
+    let way = g.gain * (axis.dot(&w) + e.dot(&apart));
+    let lever = way * e + g.eta * axis + foot;
     let normal = if g.normal_length > 0.0 {
-        let cross = (r_s + s * g.wire.r_ss).cross(&e) + g.wire.r_s.cross(&axis);
+        let turn = axis + way * g.bend;
+        let cross = (r_s + s * g.wire.r_ss).cross(&e) + g.wire.r_s.cross(&turn);
         (cross - g.normal * g.normal.dot(&cross)) / g.normal_length
     } else {
         Vector3::zeros()
     };
-    let lever = g.eta * e;
-    let relative = g.wire.velocity - strip.velocity - strip.angular_velocity.cross(&lever);
-    let turning = strip.angular_velocity.cross(&(eta * e + g.eta * axis));
+    let relative = g.wire.velocity - strip.velocity - strip.angular_velocity.cross(&g.lever());
+    let turning = strip.angular_velocity.cross(&lever);
     Variation {
         s,
-        eta,
-        axis,
+        lever,
         normal,
-        gap: g.normal.dot(&(r - p)) - g.eta * g.normal.dot(&axis),
+        gap: g.normal.dot(&(r - (p + foot))) - g.eta * g.normal.dot(&axis),
         gap_rate: normal.dot(&relative) + g.normal.dot(&(s * g.wire.velocity_s - turning)),
     }
 }

@@ -4,7 +4,7 @@ use dynamics::State;
 use dynamics::testing::{LawTrio, plain_layout};
 use nalgebra::{Matrix3, Rotation3};
 
-const WIRE: usize = 18;
+pub(super) const WIRE: usize = 18;
 
 /// A strip on three free coordinates behind those of the wire, turned by a fixed roll angle.
 struct Loose {
@@ -90,7 +90,7 @@ fn on_curve(
     ContactPair::new(law, curve(geometry), Box::new(strip), 1.2, tangent)
 }
 
-fn bent() -> (Vec<f64>, Vec<f64>) {
+pub(super) fn bent() -> (Vec<f64>, Vec<f64>) {
     let q = (0..WIRE + 3)
         .map(|i| 1e-3 * ((i * i * 7 % 13) as f64 / 13.0 - 0.5))
         .collect();
@@ -101,7 +101,7 @@ fn bent() -> (Vec<f64>, Vec<f64>) {
     (q, v)
 }
 
-fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
+pub(super) fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
     Motion {
         t: 0.0,
         q,

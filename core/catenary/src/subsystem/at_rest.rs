@@ -95,10 +95,10 @@ impl LineAtRest {
         }
     }
 
-    /// Contact force of a strip (from 0), N.
+    /// Contact force that a strip (from 0) bears, N; see [`crate::ContactState::borne`].
     pub fn force(&mut self, strip: usize) -> f64 {
         match &mut self.0 {
-            Law::Penalty(line) => line.contact(strip).force,
+            Law::Penalty(line) => line.borne(strip),
             Law::SlidingJoint(joined) => joined.state.lambda[strip],
         }
     }

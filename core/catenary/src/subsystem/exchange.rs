@@ -45,7 +45,7 @@ impl Rates {
             return Self::default();
         };
         let strip = pair.strip(motion);
-        let lever = contact.geometry.eta * contact.geometry.axis;
+        let lever = contact.geometry.lever();
         let on_strip = contact.force_on_strip();
         Self {
             force: contact.force,

@@ -290,6 +290,14 @@ impl Subsystem {
         ContactTotal::of(contacts.filter_map(|pair| pair.state(&motion)))
     }
 
+    /// Force that a strip bears at rest, N.
+    fn borne(&mut self, strip: usize) -> f64 {
+        let (model, motion) = self.simulator.parts();
+        let contacts = model.contacts_of(strip).iter();
+        let borne = contacts.filter_map(|pair| Some(pair.state(&motion)?.borne()));
+        borne.fold(0.0, |sum, force| sum + force)
+    }
+
     /// Middle of a strip, m: the place of its contact where no wire reaches over it.
     fn middle_of(&self, strip: usize) -> Vector3<f64> {
         let place = |k: usize| self.inputs[strip * STRIP_INPUTS + k].value();

@@ -220,15 +220,10 @@ pub fn contact_pair(
         damping: contact.damping,
     };
     // The width of a supplied strip is unknown and taken as infinite.
-    let width = scene.pantographs[scene.head_of(index).0].strip_width();
-    let width = width.unwrap_or(f64::INFINITY);
-    Ok(ContactPair::new(
-        law,
-        line.contact_curve((index, wire)),
-        strip,
-        width,
-        tangent(scene),
-    ))
+    let head = &scene.pantographs[scene.head_of(index).0];
+    let width = head.strip_width().unwrap_or(f64::INFINITY);
+    let curve = line.contact_curve((index, wire));
+    Ok(ContactPair::new(law, curve, strip, width, tangent(scene)).with_horns(head.top()))
 }
 
 /// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire`

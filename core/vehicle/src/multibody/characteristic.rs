@@ -1,4 +1,5 @@
 //! Force–displacement curves from point lists: bump stops, progressive springs.
+use dynamics::monotone_slopes;
 
 /// Reason why a list of points is no characteristic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,24 +52,8 @@ impl Characteristic {
         if !forces.windows(2).all(|pair| pair[0] <= pair[1]) {
             return Err(CharacteristicError::Falling);
         }
-        let secant = |i: usize| (forces[i + 1] - forces[i]) / (displacements[i + 1] - displacements[i]);
+        let slopes = monotone_slopes(displacements, forces, None);
         let width = |i: usize| displacements[i + 1] - displacements[i];
-        let slope = |i: usize| {
-            if i == 0 {
-                return secant(0);
-            }
-            if i + 1 == n {
-                return secant(n - 2);
-            }
-            let (before, after) = (secant(i - 1), secant(i));
-            if before == 0.0 || after == 0.0 {
-                return 0.0;
-            }
-            // Weighted harmonic mean: never more than three times either secant, so that the cubic does not overshoot.
-            let (first, second) = (2.0 * width(i) + width(i - 1), width(i) + 2.0 * width(i - 1));
-            (first + second) / (first / before + second / after)
-        };
-        let slopes: Vec<f64> = (0..n).map(slope).collect();
         let mut energies = vec![0.0];
         for i in 0..n - 1 {
             let h = width(i);

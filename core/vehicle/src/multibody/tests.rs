@@ -203,6 +203,15 @@ fn the_tangent_and_the_power_of_a_drive_are_those_of_its_force() {
     assert_driven(&mut drive, &state, &u);
 }
 
+/// Top of a short head with horns.
+fn top() -> dynamics::MonotoneCubic {
+    scene::Horns {
+        y: vec![0.15, 0.4],
+        z: vec![-0.02, -0.2],
+    }
+    .top(0.1)
+}
+
 #[test]
 fn the_tangent_of_the_contact_force_is_the_derivative_of_its_force() {
     let two = two();
@@ -215,9 +224,17 @@ fn the_tangent_of_the_contact_force_is_the_derivative_of_its_force() {
             ..marker
         }),
         first: 2,
+        top: None,
     };
     let state = awkward(&two.layout);
-    assert_tangent(&mut load, &two.layout, &state, &[0.0, 0.0, 5.0, -3.0, -110.0, 0.25]);
+    let u = [0.0, 0.0, 5.0, -3.0, -110.0, 0.25];
+    assert_tangent(&mut load, &two.layout, &state, &u);
+    load.top = Some(top());
+    let frame = load.marker.frame(&state.motion(&u));
+    let lever = load.lever(&frame, &state.motion(&u));
+    assert!(lever.dot(&frame.axes.column(2)) < -0.01, "on the horn: {lever}");
+    assert!((frame.position.y + lever.y - 0.25).abs() < 1e-12);
+    assert_tangent(&mut load, &two.layout, &state, &u);
 }
 
 #[test]
@@ -235,6 +252,7 @@ fn the_contact_force_acts_where_the_strip_passes_its_lateral_position() {
     let mut load = AppliedForce {
         marker: Box::new(marker),
         first: 0,
+        top: None,
     };
     let u = [3.0, -2.0, -100.0, point.y];
     let force = crate::check::force(&mut load, &state.motion(&u));

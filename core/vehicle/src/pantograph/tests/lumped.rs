@@ -9,7 +9,10 @@ use nalgebra::{Matrix3, Vector3};
 /// EN 50318:2002, Annex A, without damping.
 fn en50318() -> scene::Lumped {
     scene::Lumped {
-        strip: scene::Strip { width: 1.2 },
+        strip: scene::Strip {
+            width: 1.2,
+            horns: None,
+        },
         static_force: 120.0,
         aero_coefficient: 0.0,
         masses: vec![7.2, 15.0],

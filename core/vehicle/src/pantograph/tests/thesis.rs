@@ -66,6 +66,7 @@ pub(crate) fn thesis() -> scene::Linkage {
     scene::Linkage {
         strip: LinkageStrip {
             width: 1.6,
+            horns: None,
             body: "pan_head".into(),
             offset: [0.0; 3],
         },
