@@ -1,5 +1,7 @@
 //! Heads with several strips on a line: coupled runs against one system, numbering, record.
-use integration_tests::runs::{EN_250, EN_300, Run, audited, finished, prepared, rms, run, scene_with};
+use integration_tests::runs::{
+    EN_250, EN_300, Run, SECOND_ON_THESIS_LINE, audited, finished, prepared, rms, run, scene_with,
+};
 use simulation::Mode;
 use system::disturbance::Discards;
 
@@ -370,4 +372,62 @@ fn a_wire_blown_over_the_end_of_a_horn_is_lost_and_told() {
             .any(|note| note.contains("over the end of a horn (dewirement)")),
         "{notes:?}"
     );
+}
+
+/// A second of the thesis' linkage on a short line.
+fn linkage(mode: Mode, keys: &[&str]) -> Run {
+    let thesis = include_str!("../scenes/thesis-pantograph.toml");
+    run(
+        scene_with(thesis, &[&SECOND_ON_THESIS_LINE[..], keys].concat()),
+        mode,
+        "heads",
+    )
+}
+
+const TWO: &str = "pantograph[1].strips=[{ x = 0.29 }, { x = -0.29 }]";
+
+#[test]
+fn two_strips_on_a_linkage_are_coupled_as_in_one_system_also_on_its_one_motion() {
+    for reduce in ["model.reduce=[\"planar\"]", "model.reduce=[\"planar\", \"linkage\"]"] {
+        let [whole, coupled] = [Mode::Monolithic, Mode::Inprocess].map(|mode| linkage(mode, &[TWO, reduce]));
+        let percent = 100.0 * whole.filtered_difference(&coupled) / whole.sigma();
+        let start: Vec<f64> = whole.record.pantographs[0]
+            .strips
+            .iter()
+            .map(|strip| strip.force[0])
+            .collect();
+        println!(
+            "{reduce}: {percent:.4} % of σ = {:.2} N, at rest {start:?}",
+            whole.sigma()
+        );
+        assert!(percent < 0.2, "{reduce}: {percent} %");
+        // Both begin at rest.
+        let z = &whole.record.pantographs[0].strip_z;
+        assert!((z[5] - z[0]).abs() < 1e-4, "{:?}", &z[..6]);
+    }
+}
+
+#[test]
+fn two_strips_a_micrometre_apart_with_half_the_stiffness_each_are_one_strip() {
+    let one = linkage(Mode::Monolithic, &["contact.damping=0"]);
+    let halves = linkage(
+        Mode::Monolithic,
+        &[
+            "contact.damping=0",
+            "contact.stiffness=25000",
+            "pantograph[1].strips=[{ x = 5e-7 }, { x = -5e-7 }]",
+        ],
+    );
+    let difference = one.raw_difference(&halves) / deviation(one.raw());
+    println!("{difference:e} of σ");
+    assert!(difference < 1e-3, "{difference}");
+    let strips = &halves.record.pantographs[0].strips;
+    assert!((strips[0].force[0] - strips[1].force[0]).abs() < 1e-2, "evenly at rest");
+}
+
+#[test]
+fn the_fmus_of_a_linkage_with_two_strips_give_what_the_core_gives() {
+    let time = [TWO, "run.duration=0.4", "run.evaluate={time=[0.1,0.3]}"];
+    let [own, fmus] = [Mode::Inprocess, Mode::Cosimulation].map(|mode| linkage(mode, &time));
+    assert_eq!(own.record.pantographs, fmus.record.pantographs);
 }

@@ -1,8 +1,8 @@
 //! `model = "linkage"`: a pantograph of rigid bodies and joints.
 
-use crate::Horns;
 use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::pantograph::HORNS;
+use crate::{HeadStrip, Horns};
 
 /// `model = "linkage"`.
 ///
@@ -12,6 +12,9 @@ use crate::pantograph::HORNS;
 pub struct Linkage {
     /// The collector strip.
     pub strip: LinkageStrip,
+    /// Strips of the head, fixed to the body that carries them, at places along the track from `strip.offset`; empty is
+    /// one in that place.
+    pub strips: Vec<HeadStrip>,
     /// Reference point of the mechanism's base, m, 3 entries (x, y, z); its z is above the top of rail.
     pub base: [f64; 3],
     /// Spring and damper along the prismatic joint that guides the strip's body.
@@ -138,6 +141,11 @@ impl Entry for Linkage {
     const SENTENCES: Sentences = &[
         ("strip", "Collector strip."),
         (
+            "strips",
+            "Strips of the head along the track, fixed to the body of `strip`, from its place on; left out, one in that \
+             place.",
+        ),
+        (
             "base",
             "Reference point of the mechanism's base in its own coordinates; z is above the top of rail.",
         ),
@@ -153,6 +161,7 @@ impl Entry for Linkage {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             strip: keys.inline_table("strip", was.map(|linkage| &linkage.strip)),
+            strips: keys.any_tables("strips", was.map(|linkage| linkage.strips.as_slice())),
             base: keys.vector("base", was.map(|linkage| linkage.base), Number::any("m")),
             collector_suspension: keys
                 .inline_table("collector_suspension", was.map(|linkage| &linkage.collector_suspension)),

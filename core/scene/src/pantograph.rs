@@ -271,7 +271,7 @@ impl Entry for Pantograph {
                 })
         };
         if let Some(PantographModel::Linkage(_)) = &model {
-            refuse_heads(keys);
+            refuse_pitch(keys);
         }
         let model = model.unwrap_or_else(|| {
             keys.abandon();
@@ -287,15 +287,12 @@ impl Entry for Pantograph {
     }
 }
 
-/// Refuses keys of heads with several strips on a linkage.
-fn refuse_heads(keys: &mut Keys) {
-    for name in ["strips", "pitch"] {
-        if keys.has(name, false) {
-            let because = "model is \"linkage\", whose static balance is that of one force on one strip; a head with \
-                           several is modelled with model = \"lumped\"";
-            let because = because.to_string();
-            keys.report(name, What::LeaveOut { because });
-        }
+/// Refuses the pitch of a lumped head on a linkage.
+fn refuse_pitch(keys: &mut Keys) {
+    if keys.has("pitch", false) {
+        let because = "model is \"linkage\", whose head turns as its joints let it: a revolute joint under it, or none";
+        let because = because.to_string();
+        keys.report("pitch", What::LeaveOut { because });
     }
 }
 

@@ -15,6 +15,7 @@ impl Pantograph {
     pub fn strips(&self) -> &[HeadStrip] {
         match &self.model {
             PantographModel::Lumped(lumped) if !lumped.strips.is_empty() => &lumped.strips,
+            PantographModel::Linkage(linkage) if !linkage.strips.is_empty() => &linkage.strips,
             _ => &MIDDLE,
         }
     }

@@ -202,9 +202,30 @@ fn a_head_with_several_strips_is_refused_where_one_strip_is_all_that_can_be() {
         &with(&near),
         "pantograph[2].offset_x = -0.2 m: must be less than -0.29 m: the strips of the head",
     );
-    refused(THESIS, "pantograph[1].strips: must be left out: model is \"linkage\"");
     let supplied = EN.replacen(pantograph, "[[pantograph]]\nfmu = \"vendor.fmu\"\n", 1);
     refused(&supplied, "pantograph[1].strips: must be left out: fmu is given");
+}
+
+#[test]
+fn strips_of_a_linkage_are_fixed_to_its_head() {
+    const TWO: &str = "strips=[{ x = 0.29 }, { x = -0.29 }]";
+    let scene = read(THESIS, &[TWO]).unwrap();
+    assert_eq!(
+        scene.pantographs[0].strips(),
+        [HeadStrip::fixed(0.29), HeadStrip::fixed(-0.29)]
+    );
+    assert_eq!(read(&scene.to_toml(), &[]).unwrap(), scene);
+    let pitch = read(THESIS, &[TWO, "pitch={ inertia = 0.4, stiffness = 0 }"]).unwrap_err();
+    assert!(
+        pitch.contains("pantograph[1].pitch: must be left out: model is \"linkage\""),
+        "{pitch}"
+    );
+    let spring = "strips=[{ x = 0.29, mass = 1.5, stiffness = 5000 }, { x = -0.29, mass = 1.5, stiffness = 5000 }]";
+    let sprung = read(THESIS, &[spring]).unwrap_err();
+    assert!(
+        sprung.contains("strips[1].mass") && sprung.contains("need model = \"lumped\""),
+        "{sprung}"
+    );
 }
 
 #[test]

@@ -291,6 +291,13 @@ fn balance(
         .flat_map(|side| vec![strips[side.strips.start].height; side.rises.len()])
         .collect();
     for _ in 0..ITERATIONS {
+        for side in sides.iter().filter(|side| side.strips.len() > 1) {
+            // A mechanism may turn its head as it rises.
+            let heights = side.at(&side.heights(strips))?.strip_heights;
+            for (strip, height) in strips[side.strips.clone()].iter_mut().zip(heights) {
+                strip.height = height;
+            }
+        }
         line.start(strips)?;
         residual = 0.0;
         let mut missing = Vec::with_capacity(rises.len());

@@ -20,6 +20,8 @@ pub struct Equilibrium {
     pub force: f64,
     /// Contact force of each strip, N. Where the head leaves their division open, one that it can bear.
     pub strip_forces: Vec<f64>,
+    /// Heights of the strips, m, where they follow from the mechanism; empty where they are those asked for.
+    pub strip_heights: Vec<f64>,
     /// The pantograph's own coordinates, in the order of the layout.
     pub q: Vec<f64>,
     /// Orientations of the pantograph's bodies, body to world.

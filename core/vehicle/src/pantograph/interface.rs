@@ -144,7 +144,7 @@ pub(crate) fn reference_x(entry: &Entry, gravity: f64, name: &str) -> Result<f64
     Ok(match entry {
         Entry::Linkage(entry) => {
             let linkage = Linkage::new(entry, gravity, name, &mut Layout::new())?;
-            linkage.reference_strip_position().x
+            linkage.reference_strip_position().x - linkage.head().mean
         }
         Entry::Lumped(_) | Entry::Supplied(_) => 0.0,
     })

@@ -1,5 +1,6 @@
 //! The linkage: a pantograph of rigid bodies and joints.
 mod builder;
+mod head;
 mod statics;
 
 use super::air::{Air, AirForces, AirMarker, points_of};
@@ -14,6 +15,8 @@ use control::Reading;
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Layout, Marker, Motion, PartVisitor};
+pub(crate) use head::Strips;
+use head::mean;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 
@@ -35,7 +38,9 @@ pub struct Linkage {
     suspension: AxialSpring,
     uplift: DeadForce,
     drive: Option<DriveForce>,
+    /// Mean place of the strips.
     strip: BodyMarker,
+    strips: Strips,
     /// Orientations of the bodies in the reference position.
     orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
@@ -71,6 +76,7 @@ impl Linkage {
         let balance = statics::balance(&mut local.0, &local.1)?;
         linkage.suspension.preload = balance.preload;
         linkage.static_force = balance.force;
+        linkage.strips.pitch = balance.pitches;
         Ok(linkage)
     }
 
@@ -81,6 +87,7 @@ impl Linkage {
         let mut linkage = Self::without_preload(place, &self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
+        linkage.strips.pitch = self.strips.pitch;
         linkage.air.clone_from(&self.air);
         for force in linkage.air.as_mut_slice() {
             if let AirMarker::Body(marker) = &mut force.marker.marker {
@@ -107,11 +114,13 @@ impl Linkage {
         let builder = Builder::new(entry, (mount, lateral), gravity, name, layout);
         let joints = builder.joints()?;
         layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
+        let strips = Strips::new(entry, &builder)?;
         Ok(Self {
             suspension: builder.suspension()?,
             uplift: builder.uplift()?,
             drive: None,
-            strip: builder.strip()?,
+            strip: builder.strip(strips.mean)?,
+            strips,
             orientations: builder.orientations,
             joints,
             bodies: builder.bodies,
@@ -123,6 +132,13 @@ impl Linkage {
             air: AirForces::default(),
             inertia: None,
         })
+    }
+
+    /// State of rest at a target with the head inclined by `slope`, where it is free to pitch.
+    fn at(&self, base: Option<BaseDisplacement>, target: Target, slope: f64) -> Result<Equilibrium, VehicleError> {
+        let (mut linkage, layout) = self.local(base.map_or(BaseMount::Fixed, BaseMount::Displaced))?;
+        let start = layout.state_at_rest();
+        statics::solve(&mut linkage, start, self.static_force, (target, slope))
     }
 
     /// Adds the inertia forces of the curves that the base runs through.
@@ -142,7 +158,7 @@ impl Linkage {
             .collect()
     }
 
-    /// The strip in the frame of the base; its axes are those of the body.
+    /// The strip, or the mean place of several, in the frame of the base; its axes are those of the body.
     #[must_use]
     pub(crate) fn strip_marker(&self) -> BodyMarker {
         self.strip
@@ -177,12 +193,17 @@ impl Linkage {
         &self.suspension
     }
 
-    /// Middle of the strip in the reference position, in the frame of the base, m.
+    /// Strips of the head.
+    pub(crate) fn head(&self) -> &Strips {
+        &self.strips
+    }
+
+    /// Mean place of the strips in the reference position, in the frame of the base, m.
     pub(crate) fn reference_strip_position(&self) -> Vector3<f64> {
         self.strip.pose.reference + self.orientation(self.strip_body()) * self.strip.offset
     }
 
-    /// A constant vertical force (N, upward) in the middle of the strip.
+    /// A constant vertical force (N, upward) in the mean place of the strips.
     pub(crate) fn vertical_force_on_strip(&self, force: f64) -> DeadForce {
         DeadForce {
             marker: self.strip,
@@ -264,9 +285,7 @@ impl Pantograph for Linkage {
     /// The force borne by a linkage has a maximum over the working range; on both sides of the maximum two heights
     /// share a force. The result is the height that Newton's method reaches from the tabulated position.
     fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError> {
-        let (mut linkage, layout) = self.local(base.map_or(BaseMount::Fixed, BaseMount::Displaced))?;
-        let start = layout.state_at_rest();
-        statics::solve(&mut linkage, start, self.static_force, target)
+        self.at(base, target, 0.0)
     }
 
     /// Weights, uplift and contact force.
@@ -287,10 +306,11 @@ impl Pantograph for Linkage {
             point: linkage.uplift.marker.frame(&motion).position,
             force: linkage.uplift.force.z,
         });
-        loads.push(Load {
-            point: linkage.strip.frame(&motion).position,
-            force: -equilibrium.force,
-        });
+        let forces = linkage.strips.markers.iter().zip(&equilibrium.strip_forces);
+        loads.extend(forces.map(|(strip, force)| Load {
+            point: strip.frame(&motion).position,
+            force: -force,
+        }));
         Ok(loads)
     }
 
@@ -302,11 +322,24 @@ impl Pantograph for Linkage {
         let pose = self.strip.pose;
         let first = pose.translation - self.offsets.coordinate;
         let rotation = equilibrium.rotation[pose.orientation - self.offsets.orientation];
-        pose.reference + Vector3::from_column_slice(&equilibrium.q[first..first + 3]) + rotation * self.strip.offset
+        let mean = Vector3::from_column_slice(&equilibrium.q[first..first + 3]) + rotation * self.strip.offset;
+        pose.reference + mean - Vector3::x() * self.strips.mean
     }
 
-    fn strip(&self, base: Base, _: usize) -> Box<dyn Marker> {
-        let marker = self.strip;
+    fn strips(&self) -> usize {
+        self.strips.markers.len()
+    }
+
+    fn rises(&self) -> Vec<Vec<f64>> {
+        self.strips.rises()
+    }
+
+    fn equilibrium_under(&self, base: Option<BaseDisplacement>, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
+        self.at(base, Target::Height(mean(heights)), self.strips.slope(heights))
+    }
+
+    fn strip(&self, base: Base, strip: usize) -> Box<dyn Marker> {
+        let marker = self.strips.markers[strip];
         Box::new(Travelling { marker, base })
     }
 
@@ -319,7 +352,7 @@ impl Pantograph for Linkage {
             };
             let joints = self.joints.iter().flat_map(Joint::anchors);
             let mut markers: Vec<_> = joints.filter_map(|anchor| on_body(&anchor)).collect();
-            markers.extend(on_body(&Anchor::Body(self.strip)));
+            markers.extend(self.strips.markers.iter().filter(|strip| strip.pose == body.pose));
             // Bars are long along their first principal axis.
             markers.sort_by(|a, b| a.offset.x.total_cmp(&b.offset.x));
             markers.iter().map(|marker| marker.frame(motion).position).collect()

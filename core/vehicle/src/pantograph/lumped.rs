@@ -225,6 +225,7 @@ impl Lumped {
             force,
             q,
             strip_forces: Vec::new(),
+            strip_heights: Vec::new(),
             rotation: Vec::new(),
             lambda: Vec::new(),
             vehicle: None,

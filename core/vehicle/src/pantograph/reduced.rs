@@ -16,7 +16,7 @@ use crate::error::Irreducible;
 use crate::{Base, Travelling, VehicleError};
 use curve::{MotionCurve, Node, Path};
 use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
-use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector2, Vector3};
 pub(crate) use one_motion::ReducedStrip;
 use one_motion::{OneMotion, StripBodyPosition};
 use plane::Turn;
@@ -148,7 +148,20 @@ impl ReducedLinkage {
         self.preload = (self.motion.weight + self.static_force) / along_zeta;
     }
 
-    /// The strip in the frame of the base.
+    /// Strip `strip` (from 0) of several in the frame of the base.
+    fn strip_point(&self, strip: usize) -> ReducedPoint {
+        let head = self.full.strip_body();
+        let orientation = self.full.orientation(head);
+        ReducedPoint {
+            path: PointPath::StripBody(Arc::clone(&self.motion)),
+            coordinate: self.offsets.coordinate,
+            arm: orientation * self.full.head().markers[strip].offset,
+            y: self.motion.y,
+            axes: self.motion.axes,
+        }
+    }
+
+    /// The strip, or the mean place of several, in the frame of the base.
     #[must_use]
     pub(crate) fn strip_marker(&self) -> ReducedStrip {
         ReducedStrip {
@@ -320,7 +333,8 @@ impl Pantograph for ReducedLinkage {
                         Target::Force(_) => height,
                     },
                     force,
-                    strip_forces: vec![force],
+                    strip_forces: self.full.head().forces(force, 0.0),
+                    strip_heights: self.full.head().heights(height, place.turn.of(Vector2::x()).y),
                     q: q.to_vec(),
                     rotation: Vec::new(),
                     lambda: Vec::new(),
@@ -368,10 +382,26 @@ impl Pantograph for ReducedLinkage {
     }
 
     fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
-        self.strip_at([equilibrium.q[0], equilibrium.q[1]])
+        self.strip_at([equilibrium.q[0], equilibrium.q[1]]) - Vector3::x() * self.full.head().mean
     }
 
-    fn strip(&self, base: Base, _: usize) -> Box<dyn Marker> {
+    fn strips(&self) -> usize {
+        self.full.head().markers.len()
+    }
+
+    fn rises(&self) -> Vec<Vec<f64>> {
+        self.full.head().rises()
+    }
+
+    fn equilibrium_under(&self, base: Option<BaseDisplacement>, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(base, Target::Height(heights.iter().sum::<f64>() / heights.len() as f64))
+    }
+
+    fn strip(&self, base: Base, strip: usize) -> Box<dyn Marker> {
+        if self.strips() > 1 {
+            let marker = self.strip_point(strip);
+            return Box::new(Travelling { marker, base });
+        }
         let marker = self.strip_marker();
         Box::new(Travelling { marker, base })
     }

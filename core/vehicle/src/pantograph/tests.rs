@@ -3,6 +3,7 @@ mod four_bar;
 mod linkage;
 mod lumped;
 mod reduced;
+mod several_strips;
 mod thesis;
 
 use super::{Equilibrium, Pantograph, Target};

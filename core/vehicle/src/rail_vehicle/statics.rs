@@ -111,6 +111,7 @@ impl Vehicle {
                 height: base.position.z,
                 force: 0.0,
                 strip_forces: Vec::new(),
+                strip_heights: Vec::new(),
                 q: state.q.clone(),
                 rotation: state.rotation.clone(),
                 lambda: state.lambda.clone(),

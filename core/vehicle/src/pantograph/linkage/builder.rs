@@ -149,11 +149,13 @@ impl<'a> Builder<'a> {
         })
     }
 
-    pub fn strip(&self) -> Result<BodyMarker, VehicleError> {
+    /// Point of the head that is `ahead` (m) of the middle of the strip.
+    pub fn strip(&self, ahead: f64) -> Result<BodyMarker, VehicleError> {
         let number = self.number("strip.body", &self.entry.strip.body)?;
+        let along = self.orientations[number].inverse() * Vector3::x();
         Ok(BodyMarker {
             pose: self.bodies[number].pose,
-            offset: self.entry.strip.offset.into(),
+            offset: Vector3::from(self.entry.strip.offset) + along * ahead,
             axes: Matrix3::identity(),
         })
     }

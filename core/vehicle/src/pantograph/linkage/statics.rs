@@ -4,12 +4,13 @@
 //! Q(q) − f ∂z_s/∂q − g_qᵀ λ = 0,    g(q) = 0,    z_s(q) = h  or  f given
 //! ```
 //!
-//! `z_s` is the height of the strip, `f` the contact force that presses the strip down. The Jacobian includes the
+//! `z_s` is the height of the strip, `f` the contact force that presses the strip down. A head with several strips that
+//! is free to pitch has another such pair: its slope `a`, given, and the moment of its contact forces. The Jacobian includes the
 //! geometric stiffness of the joints: nearly all the stiffness of a linkage against being lowered comes from the
 //! joints. Bars between two spherical joints may spin freely; a stiffness far below any other holds their spin.
 use super::Linkage;
 use crate::VehicleError;
-use crate::multibody::{AxialSpring, Pose};
+use crate::multibody::{AxialSpring, DeadForce, Pose};
 use crate::pantograph::{Equilibrium, Pantograph, Target};
 use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, State, Weights, rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -34,14 +35,16 @@ pub(super) struct Balance {
     pub preload: f64,
     /// Contact force, N.
     pub force: f64,
+    /// True for a head with several strips that is free to pitch.
+    pub pitches: bool,
 }
 
 /// Forces, Jacobian and residuals of a linkage alone, in one configuration.
 struct Terms {
     /// `Q` without the contact force.
     force: DVector<f64>,
-    /// `∂z_s/∂q`.
-    strip: DVector<f64>,
+    /// `∂z_s/∂q`, and `∂a/∂q` of a head that is free to pitch.
+    strip: DMatrix<f64>,
     /// `g_q`.
     g_q: DMatrix<f64>,
     g: DVector<f64>,
@@ -52,10 +55,12 @@ fn terms(linkage: &mut Linkage, state: &State) -> Terms {
     let motion = state.motion(&[]);
     let mut force = DVector::zeros(n);
     linkage.forces(&mut |contribution| contribution.add_force(&motion, force.as_mut_slice()));
-    let mut strip = DVector::zeros(n);
-    linkage
-        .vertical_force_on_strip(1.0)
-        .add_force(&motion, strip.as_mut_slice());
+    let mut strip = DMatrix::zeros(n, 1 + usize::from(linkage.head().pitch));
+    for (of, mut column) in strip.column_iter_mut().enumerate() {
+        for mut load in loads(linkage, of, 1.0) {
+            load.add_force(&motion, column.as_mut_slice());
+        }
+    }
     let mut g = DVector::zeros(m);
     let mut g_q = DMatrix::zeros(m, n);
     let mut first = 0;
@@ -73,8 +78,19 @@ fn terms(linkage: &mut Linkage, state: &State) -> Terms {
     Terms { force, strip, g_q, g }
 }
 
-/// `∂/∂q` of `−Q + f ∂z_s/∂q + g_qᵀ λ`.
-fn stiffness(linkage: &mut Linkage, state: &State, contact_force: f64) -> DMatrix<f64> {
+/// Dead forces on the head for a vertical force (N) in the mean place of the strips, or for a moment (N·m): a pair a
+/// metre apart.
+fn loads(linkage: &Linkage, of: usize, size: f64) -> Vec<DeadForce> {
+    let mut loads = vec![linkage.vertical_force_on_strip(size)];
+    if of == 1 {
+        let marker = linkage.head().ahead;
+        loads = vec![DeadForce { marker, ..loads[0] }, linkage.vertical_force_on_strip(-size)];
+    }
+    loads
+}
+
+/// `∂/∂q` of `−Q + f ∂z_s/∂q + g_qᵀ λ`, with force and moment of the contact.
+fn stiffness(linkage: &mut Linkage, state: &State, contact: &DVector<f64>) -> DMatrix<f64> {
     let n = state.q.len();
     let motion = state.motion(&[]);
     let weights = Weights { q: 1.0, v: 0.0 };
@@ -86,8 +102,11 @@ fn stiffness(linkage: &mut Linkage, state: &State, contact_force: f64) -> DMatri
             first += joint.dimension();
         }
         // The contact force is a dead force on the strip.
-        let mut load = linkage.vertical_force_on_strip(-contact_force);
-        load.add_tangent(&motion, weights, blocks);
+        for (of, size) in contact.iter().enumerate() {
+            for mut load in loads(linkage, of, -size) {
+                load.add_tangent(&motion, weights, blocks);
+            }
+        }
     };
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
@@ -97,11 +116,35 @@ fn stiffness(linkage: &mut Linkage, state: &State, contact_force: f64) -> DMatri
     matrix
 }
 
+/// True where the strips' slope can change with their mean height and the suspension as they are: `∂a/∂q` is then no
+/// combination of their gradients and those of the joints.
+fn is_free_to_pitch(linkage: &mut Linkage, state: &State, g_q: &DMatrix<f64>, stretch: &DVector<f64>) -> bool {
+    /// Share of the gradient that is rounding.
+    const ROUNDING: f64 = 1e-6;
+    if linkage.head().markers.len() < 2 {
+        return false;
+    }
+    let motion = state.motion(&[]);
+    let (n, m) = (state.q.len(), state.lambda.len());
+    let mut others = DMatrix::zeros(n, m + 2);
+    others.columns_mut(0, m).copy_from(&g_q.transpose());
+    others.column_mut(m).copy_from(stretch);
+    let mut slope = DVector::zeros(n);
+    for mut load in loads(linkage, 0, 1.0) {
+        load.add_force(&motion, others.column_mut(m + 1).as_mut_slice());
+    }
+    for mut load in loads(linkage, 1, 1.0) {
+        load.add_force(&motion, slope.as_mut_slice());
+    }
+    let fitted = others.clone().svd(true, true).solve(&slope, 1e-12);
+    fitted.is_ok_and(|fitted| (&slope - others * fitted).norm() > ROUNDING * slope.norm())
+}
+
 /// Contact force and preload of the collector suspension under which the reference position is at rest.
 pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance, VehicleError> {
     let state = layout.state_at_rest();
     let (n, m) = (state.q.len(), state.lambda.len());
-    let Terms { force, strip, g_q, .. } = terms(linkage, &state);
+    let Terms { force, g_q, .. } = terms(linkage, &state);
     let mut preload = DVector::zeros(n);
     let mut unit = AxialSpring {
         stiffness: 0.0,
@@ -110,17 +153,21 @@ pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance,
         ..linkage.suspension().clone()
     };
     unit.add_force(&state.motion(&[]), preload.as_mut_slice());
+    let pitches = is_free_to_pitch(linkage, &state, &g_q, &preload);
+    linkage.strips.pitch = pitches;
+    let Terms { strip, .. } = terms(linkage, &state);
     // Q + P s_q − f z_q − g_qᵀ λ = 0, unknown (λ, P, f).
-    let mut matrix = DMatrix::zeros(n, m + 2);
+    let contacts = strip.ncols();
+    let mut matrix = DMatrix::zeros(n, m + 1 + contacts);
     matrix.columns_mut(0, m).copy_from(&g_q.transpose());
     matrix.column_mut(m).copy_from(&-preload);
-    matrix.column_mut(m + 1).copy_from(&strip);
+    matrix.columns_mut(m + 1, contacts).copy_from(&strip);
     let scale = force.amax();
     let unknown = matrix
         .clone()
         .svd(true, true)
         .solve(&force, 1e-12)
-        .unwrap_or_else(|_| DVector::zeros(m + 2));
+        .unwrap_or_else(|_| DVector::zeros(m + 1 + contacts));
     let residual = &force - matrix * &unknown;
     if residual.amax() > 1e-6 * scale {
         return Err(VehicleError::NotBalanced {
@@ -131,6 +178,7 @@ pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance,
     Ok(Balance {
         preload: unknown[m],
         force: unknown[m + 1],
+        pitches,
     })
 }
 
@@ -139,11 +187,14 @@ pub(super) fn solve(
     linkage: &mut Linkage,
     start: State,
     start_force: f64,
-    target: Target,
+    (target, slope): (Target, f64),
 ) -> Result<Equilibrium, VehicleError> {
     let mut state = start;
     let (n, m) = (state.q.len(), state.lambda.len());
-    let mut contact_force = match target {
+    // Force of the contact, and its moment where the head is free to pitch.
+    let contacts = 1 + usize::from(linkage.head().pitch);
+    let mut contact = DVector::zeros(contacts);
+    contact[0] = match target {
         Target::Force(force) => force,
         Target::Height(_) => start_force,
     };
@@ -151,32 +202,39 @@ pub(super) fn solve(
     let mut tolerance = 0.0;
     for iteration in 0..ITERATIONS {
         let Terms { force, strip, g_q, g } = terms(linkage, &state);
-        let scale = force.amax().max(contact_force.abs());
+        let scale = force.amax().max(contact[0].abs());
         tolerance = TOLERANCE * scale;
         if iteration == 0 {
             // Multipliers that bear the forces of the start in the least-squares sense.
             let lambda = g_q
                 .transpose()
                 .svd(true, true)
-                .solve(&(&force - &strip * contact_force), 1e-12);
+                .solve(&(&force - &strip * &contact), 1e-12);
             if let Ok(lambda) = lambda {
                 state.lambda.copy_from_slice(lambda.as_slice());
             }
         }
         let lambda = DVector::from_column_slice(&state.lambda);
-        let unbalanced = force - &strip * contact_force - g_q.transpose() * lambda;
+        let unbalanced = force - &strip * &contact - g_q.transpose() * lambda;
         let height = linkage.strip_marker().frame(&state.motion(&[])).position.z;
-        let missing = match target {
-            Target::Force(force) => force - contact_force,
+        let inclined = linkage.head().ahead.frame(&state.motion(&[])).position.z - height;
+        let mut missing = DVector::from_element(contacts, slope - inclined);
+        missing[0] = match target {
+            Target::Force(force) => force - contact[0],
             Target::Height(target) => target - height,
         };
         // Gaps count in units of the force tolerance.
-        residual = unbalanced.amax().max(g.amax().max(missing.abs()) * tolerance / CLOSURE);
+        residual = unbalanced
+            .amax()
+            .max(g.amax().max(missing.amax()) * tolerance / CLOSURE);
         if residual <= tolerance {
             return Ok(Equilibrium {
                 height,
-                force: contact_force,
-                strip_forces: vec![contact_force],
+                force: contact[0],
+                strip_forces: linkage
+                    .head()
+                    .forces(contact[0], contact.get(1).copied().unwrap_or(0.0)),
+                strip_heights: linkage.head().heights(height, inclined),
                 q: state.q,
                 rotation: state.rotation,
                 lambda: state.lambda,
@@ -184,8 +242,8 @@ pub(super) fn solve(
             });
         }
 
-        let mut matrix = DMatrix::zeros(n + m + 1, n + m + 1);
-        let stiffness = stiffness(linkage, &state, contact_force);
+        let mut matrix = DMatrix::zeros(n + m + contacts, n + m + contacts);
+        let stiffness = stiffness(linkage, &state, &contact);
         matrix.view_mut((0, 0), (n, n)).copy_from(&stiffness);
         let soft = REGULARISATION * stiffness.amax();
         for diagonal in 0..n {
@@ -193,22 +251,24 @@ pub(super) fn solve(
         }
         matrix.view_mut((n, 0), (m, n)).copy_from(&g_q);
         matrix.view_mut((0, n), (n, m)).copy_from(&g_q.transpose());
-        matrix.view_mut((0, n + m), (n, 1)).copy_from(&strip);
-        match target {
-            Target::Force(_) => matrix[(n + m, n + m)] = 1.0,
-            Target::Height(_) => matrix.view_mut((n + m, 0), (1, n)).copy_from(&strip.transpose()),
+        matrix.view_mut((0, n + m), (n, contacts)).copy_from(&strip);
+        matrix.view_mut((n + m, 0), (contacts, n)).copy_from(&strip.transpose());
+        if let Target::Force(_) = target {
+            matrix.view_mut((n + m, 0), (1, n)).fill(0.0);
+            matrix[(n + m, n + m)] = 1.0;
         }
-        let mut right = DVector::zeros(n + m + 1);
+        let mut right = DVector::zeros(n + m + contacts);
         right.rows_mut(0, n).copy_from(&unbalanced);
         right.rows_mut(n, m).copy_from(&-g);
-        right[n + m] = missing;
+        right.rows_mut(n + m, contacts).copy_from(&missing);
         let Some(step) = matrix.lu().solve(&right) else {
             break;
         };
         if !step.iter().all(|entry| entry.is_finite()) {
             break;
         }
-        contact_force += advance(linkage, &mut state, &step);
+        advance(linkage, &mut state, &step);
+        contact += step.rows(n + m, contacts);
     }
     Err(VehicleError::NotConverged {
         target: target.to_string(),
@@ -219,8 +279,8 @@ pub(super) fn solve(
 }
 
 /// Moves the state along a Newton step (displacements, rotations, multipliers, force), shortened if a body would turn
-/// too far; returns the change of the contact force.
-fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
+/// too far.
+fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) {
     let (n, m) = (state.q.len(), state.lambda.len());
     let turn = |pose: Pose| Vector3::new(step[pose.rotation], step[pose.rotation + 1], step[pose.rotation + 2]);
     let longest = linkage
@@ -238,9 +298,8 @@ fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
         *orientation *= rotation::exp(&(turn(pose) * fraction));
         orientation.renormalize();
     }
-    // Multipliers and force take the full step, because both enter linearly.
+    // Multipliers and forces take the full step, because both enter linearly.
     for (lambda, change) in state.lambda.iter_mut().zip(step.rows(n, m).iter()) {
         *lambda += change;
     }
-    step[n + m]
 }

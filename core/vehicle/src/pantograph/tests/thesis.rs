@@ -64,6 +64,7 @@ pub(crate) fn thesis() -> scene::Linkage {
         upright.orientation = [0.0; 3];
     }
     scene::Linkage {
+        strips: Vec::new(),
         strip: LinkageStrip {
             width: 1.6,
             horns: None,
