@@ -9,8 +9,9 @@ pub struct MonotoneCubic {
     slopes: Vec<f64>,
 }
 
-/// Slopes at samples with ascending `x`, at least two, with which the cubics between them are monotone where the samples
-/// are; the first one is `first`, or that of the first two samples.
+/// Slopes at samples with ascending `x`, at least two, for cubics that are monotone where the samples are.
+///
+/// The first slope is `first`, or that of the first two samples.
 #[must_use]
 pub fn monotone_slopes(x: &[f64], y: &[f64], first: Option<f64>) -> Vec<f64> {
     let n = x.len();

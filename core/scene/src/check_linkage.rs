@@ -14,8 +14,8 @@ impl Linkage {
     pub(crate) fn check(&self, path: &str, found: &mut Found) {
         crate::head::check(&self.strips, None, path, found);
         if let Some(sprung) = self.strips.iter().position(|strip| strip.spring.is_some()) {
-            let expected = "must be left out: strips of a linkage are fixed to its head; strips on springs of their own \
-                            need model = \"lumped\"";
+            let expected = "must be left out: strips of a linkage are fixed to its head; strips on springs of their \
+                            own need model = \"lumped\"";
             refuse(found, format!("{path}.strips[{}].mass", sprung + 1), "given", expected);
         }
         self.check_bodies(path, found);

@@ -70,8 +70,8 @@ impl Entry for Horns {
     const SENTENCES: Sentences = &[
         (
             "y",
-            "Distances of points of the horn from the middle of the head, ascending beyond half the width of the strip; \
-             the last one is half the length of the head.",
+            "Distances of points of the horn from the middle of the head, ascending beyond half the width of the \
+             strip; the last one is half the length of the head.",
         ),
         (
             "z",

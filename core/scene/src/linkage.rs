@@ -142,8 +142,8 @@ impl Entry for Linkage {
         ("strip", "Collector strip."),
         (
             "strips",
-            "Strips of the head along the track, fixed to the body of `strip`, from its place on; left out, one in that \
-             place.",
+            "Strips of the head along the track, fixed to the body of `strip`, from its place on; left out, one in \
+             that place.",
         ),
         (
             "base",

@@ -182,7 +182,8 @@ impl Pantograph {
 }
 
 /// Sentence on the horns of a strip.
-pub(crate) const HORNS: &str = "Bent ends of the head beyond the straight strip, on which a wire rests too; left out, the head ends with the strip.";
+pub(crate) const HORNS: &str =
+    "Bent ends of the head beyond the straight strip, which carry a wire too; left out, the head ends with the strip.";
 
 /// The words of `model`.
 #[derive(Clone, Copy, PartialEq)]

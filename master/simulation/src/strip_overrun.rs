@@ -58,8 +58,10 @@ fn beside(samples: impl Iterator<Item = (f64, f64)>, half: f64) -> Option<Beside
     })
 }
 
-/// Pantographs (from 0) with half the width of their strips, or half the length of a head with horns, m, where that counts: not of a strip that is held on the
-/// wire, nor under a line or on a pantograph that is supplied, whose strip and wire are not known.
+/// Pantographs (from 0) with half the width of their strips, or half the length of a head with horns, m.
+///
+/// None where that counts for nothing: a strip that is held on the wire, a line or a pantograph that is supplied, whose
+/// strip and wire are not known.
 fn reaches(scene: &Scene) -> Vec<(usize, f64)> {
     if sliding_joint::holds(scene) || scene.modelled_line().is_none() {
         return Vec::new();

@@ -27,7 +27,7 @@ pub struct ContactPair {
     strip: Box<dyn Marker>,
     width: f64,
     /// Top of a head with horns over the distance from its middle.
-    top: Option<MonotoneCubic>,
+    top: Option<Box<MonotoneCubic>>,
     /// True while a wire that has passed the end of a horn is below it: under the head, and not on it.
     slipped: bool,
     tangent: ContactTangent,
@@ -89,7 +89,10 @@ impl ContactPair {
     /// middle; `None` is a head that ends with its strip.
     #[must_use]
     pub fn with_horns(self, top: Option<MonotoneCubic>) -> Self {
-        Self { top, ..self }
+        Self {
+            top: top.map(Box::new),
+            ..self
+        }
     }
 
     /// Limits the stiffness to `limit` (N/m) for statics; true if the limit lowers it. Forgets the beginning of the

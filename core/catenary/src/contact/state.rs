@@ -75,7 +75,7 @@ pub struct Sensitivity {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Variation {
     pub s: f64,
-    /// Of the way from the strip's marker to the contact.
+    /// Change of the way from the strip's marker to the contact.
     pub lever: Vector3<f64>,
     pub normal: Vector3<f64>,
     pub gap: f64,

@@ -6,9 +6,8 @@ use scene::Linkage as Entry;
 
 /// Strips of the head of a linkage, on one line along the track.
 ///
-/// Forces `F_k` at `x_k` act on the rigid head as their sum `F` in the mean place and the moment `M` about it; where the
-/// head is free to pitch, both follow from its height and slope at rest, else `M` is open and taken as zero (*derived
-/// here*):
+/// Forces `F_k` at `x_k` act on the rigid head as their sum `F` in the mean place and the moment `M` about it. A head
+/// that is free to pitch determines both at rest by its height and slope; else `M` is taken as zero (*derived here*):
 ///
 /// ```text
 /// M = Σ F_k (x_k − x̄),    F_k = F/n + M (x_k − x̄)/Σ (x_l − x̄)²

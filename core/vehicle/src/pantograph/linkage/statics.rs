@@ -5,9 +5,11 @@
 //! ```
 //!
 //! `z_s` is the height of the strip, `f` the contact force that presses the strip down. A head with several strips that
-//! is free to pitch has another such pair: its slope `a`, given, and the moment of its contact forces. The Jacobian includes the
-//! geometric stiffness of the joints: nearly all the stiffness of a linkage against being lowered comes from the
-//! joints. Bars between two spherical joints may spin freely; a stiffness far below any other holds their spin.
+//! is free to pitch has another such pair: its slope `a`, given, and the moment of its contact forces.
+//!
+//! The Jacobian includes the geometric stiffness of the joints: nearly all the stiffness of a linkage against being
+//! lowered comes from the joints. Bars between two spherical joints may spin freely; a stiffness far below any other
+//! holds their spin.
 use super::Linkage;
 use crate::VehicleError;
 use crate::multibody::{AxialSpring, DeadForce, Pose};
