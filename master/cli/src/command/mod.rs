@@ -86,8 +86,14 @@ pub enum CommandError {
     #[error(transparent)]
     Sweep(Box<::sweep::SweepError>),
     /// Passages that cannot begin or go on.
-    #[error(transparent)]
-    Passages(Box<passages::PassagesError>),
+    #[error("{}", file.display())]
+    Passages {
+        /// Scene file.
+        file: PathBuf,
+        /// Reason.
+        #[source]
+        source: Box<passages::PassagesError>,
+    },
     /// A directory without results.
     #[error("{}: holds no {}; expected the output directory of a finished `master \
         run`", path.display(), results::SUMMARY)]
@@ -245,7 +251,7 @@ impl CommandError {
             | Self::Json(_) => 1,
             Self::Sweep(error) if !error.is_input() => 1,
             Self::Validation(error) if !error.is_input() => 1,
-            Self::Passages(error) if !error.is_input() => 1,
+            Self::Passages { source, .. } if !source.is_input() => 1,
             Self::LimitsFailed { .. } | Self::NotValid { .. } => 3,
             _ => 2,
         }

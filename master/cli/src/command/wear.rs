@@ -8,7 +8,7 @@ use super::run::ModeArgument;
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
 use cosim::package;
-use passages::{CSV, JSON, PAGE, PassagesError, Surroundings, Wishes, run};
+use passages::{CSV, JSON, PAGE, Surroundings, Wishes, run};
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use simulation::Mode;
@@ -49,12 +49,6 @@ fn forces(text: &str) -> Result<Forces, String> {
     text.split(',').map(one).collect::<Result<_, _>>().map(Forces)
 }
 
-impl From<PassagesError> for CommandError {
-    fn from(error: PassagesError) -> Self {
-        Self::Passages(Box::new(error))
-    }
-}
-
 /// Lets a train pass many times over a line that wears.
 ///
 /// # Errors
@@ -86,7 +80,10 @@ pub fn wear(arguments: &WearArguments, common: &Common) -> Result<(), CommandErr
         interrupted: interrupted(common),
         progress: &progress,
     };
-    let record = run(&file.scene, &wishes, &around, &output)?;
+    let record = run(&file.scene, &wishes, &around, &output).map_err(|source| CommandError::Passages {
+        file: arguments.scene.clone(),
+        source: Box::new(source),
+    })?;
     progress.finish();
     record.write(&output).map_err(CommandError::Results)?;
     if common.json {
