@@ -481,8 +481,8 @@ impl Entry for Catenary {
         ),
         (
             "tensioning",
-            "Friction and stops of the tensioning devices, with `wire_ends = \"constant_tension\"`; left out, there are \
-             none.",
+            "Friction and stops of the tensioning devices, with `wire_ends = \"constant_tension\"`; left out, there \
+             are none.",
         ),
         (
             "statics",

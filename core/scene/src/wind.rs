@@ -148,7 +148,8 @@ pub struct WindOnWires {
     pub messenger_wire_polar: Option<WirePolar>,
 }
 
-/// `wind.wires.contact_wire_polar` or `messenger_wire_polar`: coefficients of a worn or iced wire, by its diameter with the ice.
+/// `wind.wires.contact_wire_polar` or `messenger_wire_polar`: coefficients of a worn or iced wire, by its
+/// diameter with the ice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WirePolar {
     /// Angles of attack, degrees, ascending: 0 from the side, positive from below.

@@ -551,9 +551,9 @@ gust = { velocity = [0, 8, 0.5], start_x = 100, length = 60 }
 turbulence = { spectrum = \"kaimal\", intensities = [0.15, 0.12, 0.08], length_scales = [120, 60, 20], \
                             coherence_decays = [10, 7, 7], seed = 4 }
 record = [[0, 1, 2, 3, 100], [1, 1, 2, 3, 100]]
-wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011, dropper_diameter = 0.005, \
-          registration_arm_drag_area = 0.03, contact_wire_polar = { angles_deg = [-90, 0, 90], drag = [2, 1, 2], \
-          lift = [1, 0, -1] } }
+wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011, \
+          dropper_diameter = 0.005, registration_arm_drag_area = 0.03, \
+          contact_wire_polar = { angles_deg = [-90, 0, 90], drag = [2, 1, 2], lift = [1, 0, -1] } }
 
 [[wind.pantograph.surfaces]]
 body = \"pan_head\"

@@ -203,24 +203,24 @@ const EDITS: &[(&str, &str, &[&str])] = &[
         catenary.contact_wire.diameter", "wind.wires.messenger_wire_diameter is missing"]),
     ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 90\nair_density = 1.2\nwires = { drag_coefficient = 1.2, \
         contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011, contact_wire_polar = { angles_deg = [5, 20], \
-        drag = [1, 1], lift = [0, 0] } }\n[coupling]", &["wind.wires.contact_wire_polar.angles_deg = [5.0, 20.0]°: must \
-        hold 0.0°, the angle of attack of the wind: the table ends at 5° and 20°"]),
+        drag = [1, 1], lift = [0, 0] } }\n[coupling]", &["wind.wires.contact_wire_polar.angles_deg = [5.0, 20.0]°: \
+        must hold 0.0°, the angle of attack of the wind: the table ends at 5° and 20°"]),
     ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 90\nair_density = 1.2\nwires = { drag_coefficient = 1.2, \
-        contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011, messenger_wire_polar = { angles_deg = [5, -20], \
-        drag = [1, 1], lift = [0] } }\n[coupling]", &["wind.wires.messenger_wire_polar.angles_deg = [5, -20]: must \
-        ascend, with at least two angles", "wind.wires.messenger_wire_polar.lift = [0]"]),
+        contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011, messenger_wire_polar = { angles_deg = \
+        [5, -20], drag = [1, 1], lift = [0] } }\n[coupling]", &["wind.wires.messenger_wire_polar.angles_deg = \
+        [5, -20]: must ascend, with at least two angles", "wind.wires.messenger_wire_polar.lift = [0]"]),
     ("gravity = 9.81", "gravity = 9.81\nchange = { ice = { thickness = 0.01 } }", &["catenary.contact_wire.diameter is \
         missing: must be the diameter in m of the wire that bears catenary.change.ice.contact_wire"]),
     ("gravity = 9.81", "gravity = 9.81\nchange = { ice_per_length = 0.2, ice = { contact_wire = 0, messenger_wire = 0, \
-        stitch_wires = 0 } }", &["catenary.change.ice_per_length: must be left out: catenary.change.ice is given, whose \
-        mass it would count again"]),
+        stitch_wires = 0 } }", &["catenary.change.ice_per_length: must be left out: catenary.change.ice is given, \
+        whose mass it would count again"]),
     ("gravity = 9.81", "gravity = 9.81\nchange = { ice = { thickness = -0.01, density = 2000 } }", &[
         "catenary.change.ice.thickness = -0.01 m: must be", "catenary.change.ice.density = 2000 kg/m³: must be"]),
     ("gravity = 9.81", "gravity = 9.81\ntensioning = { friction = 0.9, ratio = 0, travel = -1 }", &[
         "catenary.tensioning.friction = 0.9: must be", "catenary.tensioning.ratio = 0: must be",
         "catenary.tensioning.travel = -1 m: must be"]),
-    ("wire_ends = \"constant_tension\"", "wire_ends = \"fixed\"\ntensioning = {}", &["catenary.tensioning: must be left \
-        out: catenary.wire_ends = \"fixed\" has no tensioning devices"]),
+    ("wire_ends = \"constant_tension\"", "wire_ends = \"fixed\"\ntensioning = {}", &["catenary.tensioning: must be \
+        left out: catenary.wire_ends = \"fixed\" has no tensioning devices"]),
     ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nrecord = [[0, 1, 2, 3], [0, 1, 2, \
         3]]\n[coupling]", &["wind.record = [2 rows]: row 2: time = 0 s: must be after 0 s"]),
     ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no \

@@ -90,7 +90,7 @@ fn longest_span(line: &Catenary) -> f64 {
     lengths.copied().fold(0.0, f64::max)
 }
 
-/// What is asked of a line in the wind.
+/// One wind and one start of the line.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {
     /// Speed of the steady wind, m/s; its direction is that of the scene.

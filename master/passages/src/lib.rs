@@ -21,7 +21,7 @@ mod worn_line;
 pub use error::PassagesError;
 pub use jump::{Worn, passages_within};
 pub use record::{Block, ForceEffect, Record};
-pub use run::{Surroundings, Wishes, run};
+pub use run::{Forces, Surroundings, Wishes, run};
 pub use worn_line::WornLine;
 
 /// Record for programs, from which a command that was ended goes on.

@@ -32,6 +32,28 @@ pub struct Wishes {
     pub forces: Vec<f64>,
 }
 
+/// Static forces as they are typed, in a type of their own for readers of command lines.
+#[derive(Clone, Debug)]
+pub struct Forces(pub Vec<f64>);
+
+impl Forces {
+    /// Percentages separated by commas, or `none`.
+    ///
+    /// # Errors
+    /// Which percentage is none, and what would be right.
+    pub fn typed(text: &str) -> Result<Self, String> {
+        if text == "none" {
+            return Ok(Self(Vec::new()));
+        }
+        let one = |part: &str| {
+            let percent = part.trim().parse::<f64>().ok();
+            let percent = percent.filter(|percent| *percent > 0.0 && *percent <= 1000.0);
+            percent.ok_or_else(|| format!("{part:?}: must be percentages above 0, at most 1000, or none"))
+        };
+        text.split(',').map(one).collect::<Result<_, _>>().map(Self)
+    }
+}
+
 /// Surroundings of the runs.
 pub struct Surroundings<'a> {
     /// Name of the scene in results.

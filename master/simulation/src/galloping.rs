@@ -11,7 +11,7 @@ use crate::SetupError;
 /// Shares of the smallest critical speed that are tried where no speeds are asked for.
 const ABOUT_CRITICAL: [f64; 4] = [0.9, 1.1, 1.3, 1.6];
 
-/// What is asked.
+/// Winds and start of the motion.
 #[derive(Clone, Debug)]
 pub struct Galloping {
     /// Speeds of the wind, m/s; empty: some about the critical one, or that of the scene.
@@ -64,15 +64,15 @@ impl Galloping {
         let mut notes = Vec::new();
         if criteria.is_empty() {
             notes.push(
-                "no wire has a table of drag and lift (wind.wires.contact_wire_polar, messenger_wire_polar): round wires \
-                 do not gallop"
+                "no wire has a table of drag and lift (wind.wires.contact_wire_polar, messenger_wire_polar): round \
+                 wires do not gallop"
                     .to_owned(),
             );
         }
         for motion in motions.iter().filter(|motion| motion.beyond_table) {
             notes.push(format!(
-                "at {} m/s angles of attack from {:.0}° to {:.0}° are beyond a table, whose ends were held: a table with \
-                 these angles is needed",
+                "at {} m/s angles of attack from {:.0}° to {:.0}° are beyond a table, whose ends were held: a table \
+                 with these angles is needed",
                 motion.speed, motion.angles[0], motion.angles[1]
             ));
         }

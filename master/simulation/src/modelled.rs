@@ -103,7 +103,8 @@ impl Prepared {
         notes.extend(rest_position::warnings(self));
         if self.statics.as_ref().is_some_and(|line| line.ends_are_held()) {
             notes.push(
-                "catenary.tensioning: friction or a stop holds the ends of the wires where they are while pantographs pass"
+                "catenary.tensioning: friction or a stop holds the ends of the wires where they are while \
+                 pantographs pass"
                     .to_owned(),
             );
         }

@@ -79,7 +79,8 @@ pub enum StaticsError {
     /// Ends under tensioning devices come to no rest.
     #[error(
         "the ends of the wires come to no rest at catenary.change.temperature = {temperature} K above the erection; \
-         catenary.tensioning.friction may be too small a part of the changes, or the steps between temperatures too large"
+         catenary.tensioning.friction may be too small a part of the changes, or the steps between temperatures \
+         too large"
     )]
     EndsDoNotSettle {
         /// Temperature above that of the erection, K.

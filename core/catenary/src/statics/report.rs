@@ -69,7 +69,7 @@ pub struct EndReport {
     /// Horizontal tension of the wire, N.
     #[serde(rename = "tension_N")]
     pub tension: f64,
-    /// What holds the end: "weights", "friction" or "stop".
+    /// Holder of the end: "weights", "friction" or "stop".
     pub held_by: String,
 }
 

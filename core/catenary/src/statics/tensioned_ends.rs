@@ -52,9 +52,9 @@ pub(super) struct TensionedEnd {
 /// sliding:  T = T₀ (1 − μ) outward, T₀ (1 + μ) inward            T₀ force of the weights
 /// ```
 ///
-/// The hysteresis of Coulomb friction: warmed up from the erection, the tension falls to `T₀ (1 − μ)` before the weights
-/// move; cooled down again, it rises to `T₀ (1 + μ)` first. At a stop the device carries any difference that holds the
-/// end against it. Derived here.
+/// The hysteresis of Coulomb friction: warmed up from the erection, the tension falls to `T₀ (1 − μ)` before the
+/// weights move; cooled down again, it rises to `T₀ (1 + μ)` first. At a stop the device carries any
+/// difference that holds the end against it. Derived here.
 pub(super) struct TensionedEnds {
     ends: Vec<End>,
     device: Tensioning,
@@ -202,7 +202,7 @@ impl TensionedEnds {
         !self.ends.iter().all(slides)
     }
 
-    /// Where the ends are.
+    /// Places and tensions of the ends.
     pub fn reports(&self) -> Vec<EndReport> {
         let report = |end: &End| {
             let (wire, section) = self.labels[end.wire];

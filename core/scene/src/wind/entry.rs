@@ -311,7 +311,8 @@ impl Entry for WindOnWires {
         ),
         (
             "stitch_wire_diameter",
-            "Diameter of the stitch wires; left out, that of `catenary.stitch_wires`, or else that of the messenger wire.",
+            "Diameter of the stitch wires; left out, that of `catenary.stitch_wires`, or else that of the \
+             messenger wire.",
         ),
         (
             "dropper_diameter",

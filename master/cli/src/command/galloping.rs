@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
+use crate::cli::values::above_zero;
 use results::OutputDirectory;
 use simulation::galloping::Galloping;
 
@@ -15,23 +16,14 @@ pub struct GallopingArguments {
     /// Scene file, with [wind.wires] and a table of drag and lift
     scene: PathBuf,
     /// Speeds of the steady wind, in m/s; left out, some about the critical one
-    #[arg(long, value_name = "U,…", value_delimiter = ',', value_parser = positive)]
+    #[arg(long, value_name = "U,…", value_delimiter = ',', value_parser = above_zero)]
     speeds: Vec<f64>,
     /// Amplitude of the motion at the start, in m
-    #[arg(long, value_name = "A", default_value = "0.01", value_parser = positive)]
+    #[arg(long, value_name = "A", default_value = "0.01", value_parser = above_zero)]
     amplitude: f64,
     /// Simulated time, in s
-    #[arg(long, value_name = "S", default_value = "120", value_parser = positive)]
+    #[arg(long, value_name = "S", default_value = "120", value_parser = above_zero)]
     duration: f64,
-}
-
-/// A positive number.
-fn positive(text: &str) -> Result<f64, String> {
-    let found = text
-        .parse::<f64>()
-        .ok()
-        .filter(|value| *value > 0.0 && value.is_finite());
-    found.ok_or_else(|| "must be a positive number, such as 12".to_owned())
 }
 
 /// Lets the line of a scene gallop in a steady wind.

@@ -7,6 +7,7 @@ use clap::Args;
 use super::run::ModeArgument;
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
+use crate::cli::values::above_zero;
 use cosim::package;
 use simulation::latency::Latency;
 use simulation::{FmuSource, Mode};
@@ -20,14 +21,8 @@ pub struct LatencyArguments {
     #[arg(long, value_enum, default_value = "cosimulation")]
     mode: ModeArgument,
     /// Real time to measure for, in s: the run is repeated until it has passed
-    #[arg(long, value_name = "S", default_value = "10", value_parser = duration)]
+    #[arg(long, value_name = "S", default_value = "10", value_parser = above_zero)]
     duration: f64,
-}
-
-/// A time in s, positive and finite.
-fn duration(text: &str) -> Result<f64, String> {
-    let found = text.parse::<f64>().ok().filter(|time| *time > 0.0 && time.is_finite());
-    found.ok_or_else(|| "must be a positive number of seconds, such as 60".to_owned())
 }
 
 /// Runs a scene in real time and measures its steps.

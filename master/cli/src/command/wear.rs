@@ -8,7 +8,7 @@ use super::run::ModeArgument;
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
 use cosim::package;
-use passages::{CSV, JSON, PAGE, Surroundings, Wishes, run};
+use passages::{CSV, Forces, JSON, PAGE, Surroundings, Wishes, run};
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use simulation::Mode;
@@ -25,28 +25,11 @@ pub struct WearArguments {
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u64).range(1..))]
     every: Option<u64>,
     /// Static forces compared on the line as it is, % of those of the scene, separated by commas, or none
-    #[arg(long, value_name = "LIST", default_value = "80,100,120", value_parser = forces)]
+    #[arg(long, value_name = "LIST", default_value = "80,100,120", value_parser = Forces::typed)]
     forces: Forces,
     /// How line and pantographs are put together
     #[arg(long, value_enum, default_value = "monolithic")]
     mode: ModeArgument,
-}
-
-/// `--forces`.
-#[derive(Clone, Debug)]
-struct Forces(Vec<f64>);
-
-/// Percentages, or `none`.
-fn forces(text: &str) -> Result<Forces, String> {
-    if text == "none" {
-        return Ok(Forces(Vec::new()));
-    }
-    let one = |part: &str| {
-        let percent = part.trim().parse::<f64>().ok();
-        let percent = percent.filter(|percent| *percent > 0.0 && *percent <= 1000.0);
-        percent.ok_or_else(|| format!("{part:?}: must be percentages above 0, at most 1000, or none"))
-    };
-    text.split(',').map(one).collect::<Result<_, _>>().map(Forces)
 }
 
 /// Lets a train pass many times over a line that wears.

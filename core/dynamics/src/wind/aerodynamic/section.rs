@@ -11,7 +11,8 @@ use std::sync::Arc;
 /// ```
 ///
 /// `τ` is the direction of the axis, `u` the part of the vertical across it, `h = u × τ`; `ℓ` is across `ŵ` and `τ`, on
-/// the side of `u`: a positive lift acts upwards, whichever side the air comes from. `α` is positive for air from below.
+/// the side of `u`: a positive lift acts upwards, whichever side the air comes from. `α` is positive for air from
+/// below.
 /// The cross-section keeps its place about the axis, and its windward side is the one that the table describes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionFlow {
@@ -46,7 +47,8 @@ impl SectionFlow {
         }
     }
 
-    /// Angle of attack of air that moves with `v_r` (m/s) relative to a body along `r_s`, rad; none for a vertical body.
+    /// Angle of attack of air that moves with `v_r` (m/s) relative to a body along `r_s`, rad; none for a
+    /// vertical body.
     #[must_use]
     pub fn angle(v_r: &Vector3<f64>, r_s: &Vector3<f64>) -> Option<f64> {
         let (side, up) = axes(r_s)?;
@@ -93,8 +95,8 @@ impl SectionFlow {
     }
 
     /// Damping per length by the air about a body that is driven across its axis by a steady wind, N·s/m²: the negative
-    /// derivative of the force by the velocity of the body, horizontal and upward; where the table has an edge, the mean
-    /// of both sides.
+    /// derivative of the force by the velocity of the body, horizontal and upward; where the table has an edge, the
+    /// mean of both sides.
     ///
     /// ```text
     /// c_uu = ½ ρ d U (C_D + ∂C_L/∂α)        at α = 0: negative where Den Hartog's criterion is met
@@ -131,8 +133,8 @@ const EDGE: f64 = 1e-6;
 /// 2 m ζ ω + ½ ρ d U (C_D + ∂C_L/∂α) = 0
 /// ```
 ///
-/// `mass` is by length (kg/m), `rate = 2 ζ ω` the damping of the mode (1/s), `density` that of the air (kg/m³), `slope =
-/// C_D + ∂C_L/∂α`; none where the slope is not negative.
+/// `mass` is by length (kg/m), `rate = 2 ζ ω` the damping of the mode (1/s), `density` that of the air (kg/m³),
+/// `slope = C_D + ∂C_L/∂α`; none where the slope is not negative.
 #[must_use]
 pub fn galloping_speed(mass: f64, rate: f64, density: f64, diameter: f64, slope: f64) -> Option<f64> {
     (slope < 0.0).then(|| 2.0 * mass * rate / (density * diameter * -slope))
