@@ -31,17 +31,15 @@ pub struct GallopingArguments {
 /// # Errors
 /// See [`CommandError`].
 pub fn galloping(arguments: &GallopingArguments, common: &Common) -> Result<(), CommandError> {
-    let path = arguments.scene.as_path();
-    let file = SceneFile::read(path, common)?;
+    let file = SceneFile::read(&arguments.scene, common)?;
     file.notes.iter().for_each(|note| say(common)(note));
     let asked = Galloping {
         speeds: arguments.speeds.clone(),
         amplitude: arguments.amplitude,
         duration: arguments.duration,
     };
-    let report = asked
-        .run(&file.scene, &file.name, interrupted(common))
-        .map_err(|error| CommandError::from(error).in_scene(path))?;
+    let report = asked.run(&file.scene, &file.name, interrupted(common));
+    let report = report.map_err(|error| CommandError::from(error).in_scene(&arguments.scene))?;
     if common.json {
         print_json(&report)?;
     } else if !common.quiet {
@@ -49,9 +47,8 @@ pub fn galloping(arguments: &GallopingArguments, common: &Common) -> Result<(), 
     }
     if let Some(out) = &common.out {
         let folder = OutputDirectory::open(out.clone()).map_err(CommandError::Directory)?;
-        folder
-            .write_page("galloping.csv", &report.csv())
-            .map_err(CommandError::Results)?;
+        let written = folder.write_page("galloping.csv", &report.csv());
+        written.map_err(CommandError::Results)?;
     }
     Ok(())
 }
