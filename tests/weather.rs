@@ -82,6 +82,7 @@ fn a_heated_wire_between_fixed_ends_slackens_and_one_under_weights_travels() {
     let fixed = solved(&span(&["catenary.gravity=1e-4", change, "catenary.wire_ends=fixed"]));
     let found = fixed.report().tension.contact_wire - TENSION;
     let expected = held(0.0, 25.0) - TENSION;
+    println!("heated by 25 K between fixed ends: {found:.3} N, closed form {expected:.3} N");
     assert!((found / expected - 1.0).abs() < 1e-4, "{found} N, {expected} N");
     // −EA α Δθ, but for the strain itself, 1e-3.
     assert!((found / (-STIFFNESS * 1.7e-5 * 25.0) - 1.0).abs() < 4e-3, "{found} N");
@@ -106,6 +107,7 @@ fn friction_of_the_devices_gives_the_hysteresis_of_a_slider_on_a_spring() {
         slider = slider.clamp(low, high);
         let expected = held(slider, temperature);
         let (tension, travel, _) = after(&format!("{turn:?}"), &device);
+        println!("{turn:?}: {tension:.4} N and {travel:.7} m, closed form {expected:.4} N and {slider:.7} m");
         assert!(
             (tension / expected - 1.0).abs() < 1e-6,
             "{turn:?}: {tension} N, {expected} N"
@@ -189,6 +191,7 @@ fn ice_by_its_thickness_sags_a_wire_as_the_elastic_catenary() {
     });
     let (_, expected) = half_catenary(unstressed, weight(MASS + ice), horizontal);
     let (tension, found) = sag(&[&change]);
+    println!("sag with ice: {found:.7} m, elastic catenary {expected:.7} m");
     assert!((found - expected).abs() < 1e-5, "{found} m, {expected} m");
     assert!((tension / horizontal - 1.0).abs() < 1e-5, "{tension} N, {horizontal} N");
 }
@@ -209,6 +212,7 @@ fn a_steady_wind_blows_a_span_off_by_its_load_and_the_wider_one_with_ice_more() 
         let expected = -load * LENGTH * LENGTH / (8.0 * TENSION);
         // The slope of the wire takes some of the wind, 1e-3.
         let found = report[0].displacement;
+        println!("blown off by {found:.5} m, parabola {expected:.5} m");
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} m, {expected} m");
         assert_eq!(report[0].lateral, found);
     }
@@ -316,7 +320,10 @@ fn a_span_gallops_from_the_speed_of_den_hartogs_criterion_on() {
     };
     let (below, above) = (growth(0.98), growth(1.02));
     assert!(below < 0.0 && above > 0.0, "{below} 1/s, {above} 1/s");
-    // ½ α (U/U_c − 1), and the speed without growth between both.
+    // Straight between both: the speed without growth.
+    let simulated = 0.98 + 0.04 * below / (below - above);
+    println!("critical speed by simulation: {simulated:.5} of Den Hartog's, {critical:.4} m/s");
+    // ½ α (U/U_c − 1).
     assert!((above - 0.5 * 0.2 * 0.02).abs() < 5e-4, "{above} 1/s");
 }
 
@@ -353,6 +360,10 @@ fn the_limit_cycle_of_a_span_takes_from_the_wind_what_its_damping_costs() {
         power
     };
     let expected = bisect(1e-3, 3.0, |amplitude| balance(amplitude) > 0.0);
+    println!(
+        "limit cycle: {:.5} m, by the balance of energy {expected:.5} m",
+        motion.amplitude
+    );
     assert!(
         (motion.amplitude / expected - 1.0).abs() < 0.05,
         "{} m, {expected} m",

@@ -5,7 +5,7 @@
 //! | --- | --- |
 //! | `worn_line` | [`WornLine`]: wear of a run as a profile of the line, and the profile as its running surface |
 //! | `jump` | passages that change a profile little |
-//! | `run` | [`run`]: blocks of passages, kept after each |
+//! | `run` | [`run()`]: blocks of passages, kept after each |
 //! | `record` | [`Record`]: blocks and figures as they are kept |
 //! | `table`, `page` | the record on the terminal, as `wear.csv` and as `wear.html` |
 #![forbid(unsafe_code)]
