@@ -1,8 +1,9 @@
 //! Controlled pantographs: against linear theory on a rigid wire, between the modes, and by what control is for.
 use component::Component;
 use control::SampledLoop;
-use dynamics::{Blocks, Constraint, Force, Layout, Motion, NewtonOptions, Simulator, State, System, Weights};
+use dynamics::{Blocks, Force, Layout, Motion, NewtonOptions, Simulator, State, Weights};
 use integration_tests::runs::{EN_250, Run, prepared, run, scene_with};
+use integration_tests::under_wire::UnderWire;
 use nalgebra::{Complex, DMatrix};
 use scene::{PantographModel as Entry, Scene};
 use simulation::Mode;
@@ -34,28 +35,6 @@ impl Wire {
     }
 }
 
-/// A pantograph under such a wire.
-struct UnderWire {
-    layout: Layout,
-    model: PantographModel,
-    wire: Wire,
-}
-
-impl System for UnderWire {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.model.forces(visit);
-        visit(&mut self.wire);
-    }
-
-    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        self.model.constraints(visit);
-    }
-}
-
 fn controlled(control: &str) -> Scene {
     let keys = [
         "pantograph[1].reference_height=5.3",
@@ -65,7 +44,7 @@ fn controlled(control: &str) -> Scene {
 }
 
 /// Simulator at `deviation` from rest, with internal steps of `step` s, and its controllers.
-fn simulator(scene: &Scene, deviation: &[f64], step: f64) -> (Simulator<UnderWire>, Vec<control::Channel>) {
+fn simulator(scene: &Scene, deviation: &[f64], step: f64) -> (Simulator<UnderWire<Wire>>, Vec<control::Channel>) {
     let mut layout = Layout::new();
     let (mut model, rest) = PantographModel::started(scene, 0, &mut layout).unwrap();
     let channel = model.controlled(scene, 0, rest.force, 0).unwrap();
@@ -91,7 +70,7 @@ fn simulator(scene: &Scene, deviation: &[f64], step: f64) -> (Simulator<UnderWir
 }
 
 fn advance(
-    simulator: &mut Simulator<UnderWire>,
+    simulator: &mut Simulator<UnderWire<Wire>>,
     channels: &mut [control::Channel],
     t: f64,
     h: f64,

@@ -8,4 +8,5 @@ pub mod python;
 pub mod raw;
 pub mod runs;
 pub mod single_wire;
+pub mod under_wire;
 pub mod vendor;

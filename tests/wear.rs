@@ -1,9 +1,8 @@
 //! Wear and arcs: closed forms, volumes, the growth of a wave by linear theory, passages that go on, refusals.
-use dynamics::{
-    Blocks, Constraint, Force, Layout, Motion, NewtonOptions, RestingSpline, Simulator, State, System, Weights,
-};
+use dynamics::{Blocks, Force, Layout, Motion, NewtonOptions, RestingSpline, Simulator, State, Weights};
 use integration_tests::fmus::tree;
 use integration_tests::runs::scene_with;
+use integration_tests::under_wire::UnderWire;
 use nalgebra::Complex;
 use passages::{Surroundings, Wishes, WornLine};
 use results::report::{Progress, Show};
@@ -186,27 +185,6 @@ impl Force for RigidWire {
 
     fn add_tangent(&mut self, _: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         blocks.add(&[self.head], &[self.head], &[weights.q * self.stiffness]);
-    }
-}
-
-struct UnderWire {
-    layout: Layout,
-    model: PantographModel,
-    wire: RigidWire,
-}
-
-impl System for UnderWire {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.model.forces(visit);
-        visit(&mut self.wire);
-    }
-
-    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        self.model.constraints(visit);
     }
 }
 

@@ -31,6 +31,7 @@
 //! | `linear` | linear systems of Newton's method |
 //! | `modal` | motion in modes |
 //! | `simd` | numbers of several owners side by side in vector registers |
+//! | `hermite` | a cubic between two samples with slopes |
 //! | `resting_spline` | smooth curves through samples |
 //! | `monotone_cubic` | curves that rise or fall only where their samples do |
 //! | `wind` | wind along the track, and its forces |
@@ -51,6 +52,7 @@ mod constraint;
 mod energy_balance;
 mod followed_input;
 mod force;
+mod hermite;
 mod integrate;
 mod layout;
 mod linear;

@@ -1,4 +1,5 @@
 //! Curves through samples that rise or fall only where the samples do.
+use crate::hermite::hermite;
 
 /// Piecewise cubic through samples with continuous slope, monotone where they are [Fritsch & Carlson, SIAM Journal on
 /// Numerical Analysis 17 (1980) 238–246], continued along the end slopes.
@@ -70,14 +71,7 @@ impl MonotoneCubic {
         let i = self.x.partition_point(|&at| at <= x).saturating_sub(1);
         let h = self.x[i + 1] - self.x[i];
         let u = (x - self.x[i]) / h;
-        let (y0, y1) = (self.y[i], self.y[i + 1]);
-        let (d0, d1) = (h * self.slopes[i], h * self.slopes[i + 1]);
-        let (c2, c3) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-        [
-            y0 + u * (d0 + u * (c2 + u * c3)),
-            (d0 + u * (2.0 * c2 + u * 3.0 * c3)) / h,
-            (2.0 * c2 + u * 6.0 * c3) / (h * h),
-        ]
+        hermite((self.y[i], self.slopes[i]), (self.y[i + 1], self.slopes[i + 1]), h, u)
     }
 }
 

@@ -1,4 +1,5 @@
 //! Curves through samples that begin and end at rest.
+use crate::hermite::hermite;
 
 /// A cubic spline through samples, twice continuously differentiable, with slope zero at both ends and constant beyond.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,14 +44,7 @@ impl RestingSpline {
         let i = after - 1;
         let h = self.x[after] - self.x[i];
         let u = (x - self.x[i]) / h;
-        let (y0, y1) = (self.y[i], self.y[after]);
-        let (d0, d1) = (h * self.slopes[i], h * self.slopes[after]);
-        let (c2, c3) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
-        [
-            y0 + u * (d0 + u * (c2 + u * c3)),
-            (d0 + u * (2.0 * c2 + u * 3.0 * c3)) / h,
-            (2.0 * c2 + u * 6.0 * c3) / (h * h),
-        ]
+        hermite((self.y[i], self.slopes[i]), (self.y[after], self.slopes[after]), h, u)
     }
 }
 

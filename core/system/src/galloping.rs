@@ -277,37 +277,35 @@ impl Trial {
         let per_window = (PERIODS * STEPS) as usize;
         let mut windows = vec![vec![Window::NEW; watched.len()]; windows_of];
         let (mut angles, mut beyond_table) = ([f64::INFINITY, f64::NEG_INFINITY], false);
-        for number in 0..windows_of * per_window {
-            let t = number as f64 * step;
-            let window = number / per_window;
-            let mean: Vec<f64> = watched
-                .iter()
-                .enumerate()
-                .map(|(i, at)| match window.checked_sub(1) {
-                    Some(before) => 0.5 * windows[before][i].vertical.iter().sum::<f64>(),
-                    None => rest[at.vertical],
-                })
-                .collect();
-            let before: Vec<f64> = watched.iter().map(|at| simulator.state().q[at.vertical]).collect();
-            simulator
-                .advance(t, step, &mut |_, _| {}, &mut |_, _, _, _| {})
-                .map_err(step_error)?;
-            let State { q, v, .. } = simulator.state();
-            for (i, at) in watched.iter().enumerate() {
-                let seen = &mut windows[window][i];
-                let vertical = q[at.vertical];
-                widen(&mut seen.vertical, vertical);
-                seen.passes += usize::from(before[i] <= mean[i] && vertical > mean[i]);
-                if let Some(lateral) = at.lateral {
-                    widen(&mut seen.lateral, q[lateral]);
+        // Places that upward passes are counted at, and the last places: one for each watched node.
+        let mut middle: Vec<f64> = watched.iter().map(|at| rest[at.vertical]).collect();
+        let mut before = vec![0.0; watched.len()];
+        for (number, window) in windows.iter_mut().enumerate() {
+            for step_number in number * per_window..(number + 1) * per_window {
+                for (before, at) in before.iter_mut().zip(&watched) {
+                    *before = simulator.state().q[at.vertical];
                 }
-                let velocity = Vector3::new(0.0, at.lateral.map_or(0.0, |index| v[index]), v[at.vertical]);
-                if let (Some(angle), Some([low, high])) =
-                    (SectionFlow::angle(&(air - velocity), &Vector3::x()), at.table)
-                {
-                    widen(&mut angles, angle.to_degrees());
-                    beyond_table |= !(low..=high).contains(&angle.to_degrees());
+                simulator
+                    .advance(step_number as f64 * step, step, &mut |_, _| {}, &mut |_, _, _, _| {})
+                    .map_err(step_error)?;
+                let State { q, v, .. } = simulator.state();
+                for (i, (at, seen)) in watched.iter().zip(window.iter_mut()).enumerate() {
+                    let vertical = q[at.vertical];
+                    widen(&mut seen.vertical, vertical);
+                    seen.passes += usize::from(before[i] <= middle[i] && vertical > middle[i]);
+                    if let Some(lateral) = at.lateral {
+                        widen(&mut seen.lateral, q[lateral]);
+                    }
+                    let velocity = Vector3::new(0.0, at.lateral.map_or(0.0, |index| v[index]), v[at.vertical]);
+                    let angle = SectionFlow::angle(&(air - velocity), &Vector3::x());
+                    if let (Some(angle), Some([low, high])) = (angle.map(f64::to_degrees), at.table) {
+                        widen(&mut angles, angle);
+                        beyond_table |= !(low..=high).contains(&angle);
+                    }
                 }
+            }
+            for (middle, seen) in middle.iter_mut().zip(window.iter()) {
+                *middle = 0.5 * (seen.vertical[0] + seen.vertical[1]);
             }
         }
         Ok(self.found(&windows, (period, angles, beyond_table)))

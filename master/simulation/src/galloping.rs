@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Reduction, Scene};
 use serde::Serialize;
-use system::galloping::{Criterion, Motion, Trial, criteria};
+use system::galloping::{Criterion, GallopingError, Motion, Trial, criteria};
 
 use crate::SetupError;
 
@@ -41,6 +41,9 @@ impl Galloping {
     /// # Errors
     /// See [`SetupError`].
     pub fn run(&self, scene: &Scene, name: &str, interrupted: &AtomicBool) -> Result<GallopingReport, SetupError> {
+        if scene.wind.as_ref().is_none_or(|wind| wind.wires.is_none()) {
+            return Err(GallopingError::NoWind.into());
+        }
         let mut scene = scene.clone();
         // Of the reductions the plane alone has the motion of the air with every element.
         scene

@@ -102,16 +102,13 @@ impl TensionedEnds {
     /// Lets friction hold every end that slid, before the next change.
     pub fn hold(&mut self) {
         for end in &mut self.ends {
-            if let Hold::Sliding(outward) = end.hold {
-                // Without friction there is nothing that could hold it.
-                end.hold = if self.device.friction > 0.0 {
-                    Hold::Friction
-                } else {
-                    Hold::Sliding(outward)
-                };
-            } else if end.hold == Hold::Friction && self.device.friction == 0.0 {
-                end.hold = Hold::Sliding(true);
-            }
+            end.hold = match end.hold {
+                Hold::Stop(outer) => Hold::Stop(outer),
+                _ if self.device.friction > 0.0 => Hold::Friction,
+                // Nothing that could hold it.
+                Hold::Friction => Hold::Sliding(true),
+                sliding => sliding,
+            };
         }
     }
 
