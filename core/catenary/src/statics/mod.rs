@@ -33,8 +33,8 @@ pub use report::{
     DropperReport, ElasticityReport, EndReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
 };
 
-use crate::line::Equilibrium;
 use crate::line::window::{Cells, Source};
+use crate::line::{Equilibrium, KeptBases};
 use crate::{
     CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
     WindOnLine, WireGeometry, WireName,
@@ -110,6 +110,8 @@ pub struct StaticLine {
     repeat: Repeat,
     /// Spans reduced to modes, made on the first request.
     cells: OnceLock<Cells>,
+    /// Lines in their modes made before.
+    modal: KeptBases,
     system: Standalone,
     /// Residual compliance of each contact wire under strips at rest; empty without.
     at_rest: Vec<Option<Arc<ResidualCompliance>>>,
@@ -184,6 +186,7 @@ impl StaticLine {
                 equilibrium: &equilibrium,
             }),
             cells: OnceLock::new(),
+            modal: KeptBases::default(),
             catenary: catenary.clone(),
             topology,
             equilibrium,
@@ -246,6 +249,11 @@ impl StaticLine {
 
     pub(crate) fn shared(&self) -> (&Arc<Topology>, &Equilibrium) {
         (&self.topology, &self.equilibrium)
+    }
+
+    /// Lines in their modes, shared by those made from this static state.
+    pub(crate) fn modal(&self) -> &KeptBases {
+        &self.modal
     }
 
     /// Store of reduced spans, shared by the lines made from this static state.

@@ -18,6 +18,7 @@
 //!
 //! ```text
 //! file       subject
+//! base       a line in its modes before strips run under it
 //! modes      the modes of a linearised line, and what the ones left out add
 //! interface  the line as strips see it, as a contribution of forces
 //! slack      droppers that may be slack at the end of a step
@@ -25,6 +26,7 @@
 //! store      modes found before
 //! packed     rows of them as bytes
 //! ```
+mod base;
 mod curve;
 mod interface;
 mod modes;
@@ -37,14 +39,15 @@ use crate::{
     DropperSample, Line, LinearLine, NodeOfWire, OverheadLine, StaticLine, StaticsError, WireCurve, WireName, WireNode,
     mesh,
 };
+use base::{Base, Wish};
 use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
 use interface::{ContactPoint, Interface};
-use modes::Modes;
 use nalgebra::Vector3;
 use scene::{Reduction, Scene};
 use std::sync::Arc;
 
+pub(crate) use base::KeptBases;
 pub use store::cache_folder;
 
 /// Highest mode in units of the highest frequency that a strip sends out: a force of the filter's frequency `f` that
@@ -78,40 +81,35 @@ impl ModalLine {
     /// # Errors
     /// See [`StaticsError::Modes`].
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
-        let mut own = Layout::new();
-        let linear = if scene.model.has(Reduction::Flat) {
-            LinearLine::flat(statics, &mut own)
-        } else {
-            let mut line = statics.line_in(&mut own);
-            LinearLine::about(&mut line, &own)
-        };
         let beta = scene.modelled_line().map_or(0.0, |(line, _)| line.damping.beta);
-        Self::of((linear, &own), scene.strip_count(), [highest(scene), beta], layout)
+        let wish = Wish {
+            flat: scene.model.has(Reduction::Flat),
+            highest: highest(scene),
+            beta,
+        };
+        let base = statics.modal().or_made(wish, || {
+            let mut own = Layout::new();
+            let linear = if wish.flat {
+                LinearLine::flat(statics, &mut own)
+            } else {
+                let mut line = statics.line_in(&mut own);
+                LinearLine::about(&mut line, &own)
+            };
+            Base::of((linear, &own), wish)
+        })?;
+        Ok(Self::under(&base, scene.strip_count(), scene.solver.micro_step, layout))
     }
 
-    /// A linear line in its modes below `highest` Hz under `strips` strips, with wires damped by `beta` s in proportion
-    /// to their stiffness; the coordinates of `linear` are those of `own`, and one per strip and contact wire joins
-    /// `layout`.
-    ///
-    /// # Errors
-    /// See [`StaticsError::Modes`].
-    fn of(
-        (mut linear, own): (LinearLine, &Layout),
-        strips: usize,
-        [highest, beta]: [f64; 2],
-        layout: &mut Layout,
-    ) -> Result<Self, StaticsError> {
-        let modes = Modes::of(&mut linear, own, [highest, beta])?;
-        let shape = linear.shape().cloned().ok_or(StaticsError::Modes {
-            reason: "the line has no shape".to_owned(),
-        })?;
-        let rest: Arc<[f64]> = vec![0.0; own.coordinates()].into();
-        let contact_wires = linear.contact_wires();
+    /// The line under `strips` strips in steps of `h` s; one coordinate per strip and contact wire joins `layout`.
+    fn under(base: &Base, strips: usize, h: f64, layout: &mut Layout) -> Self {
+        let shape = base.shape.clone();
+        let rest: Arc<[f64]> = vec![0.0; base.coordinates].into();
+        let contact_wires = base.contact_wires.len();
         let first = layout.add_coordinates(strips * contact_wires, "deflection under strips");
         let (mut curves, mut points): (Vec<Arc<dyn WireCurve>>, Vec<_>) = (Vec::new(), Vec::new());
         for contact in 0..strips * contact_wires {
             let (place, coordinate) = (Place::default(), first + contact);
-            let wire = linear.contact_curve(contact % contact_wires);
+            let wire = Arc::clone(&base.contact_wires[contact % contact_wires]);
             points.push(ContactPoint::new(
                 coordinate,
                 Arc::clone(&wire),
@@ -125,14 +123,14 @@ impl ModalLine {
                 place,
             }));
         }
-        Ok(Self {
-            interface: Interface::new(modes, points),
+        Self {
+            interface: Interface::new(Arc::clone(&base.modes), points, h),
             curves,
             contact_wires,
-            coordinates: own.coordinates(),
+            coordinates: base.coordinates,
             uplift: Uplift::counted_from(shape.topology(), |_| 0.0),
             shape,
-        })
+        }
     }
 
     /// Coordinate of the height of a node in the linearised line.
