@@ -17,6 +17,9 @@ pub const INPUTS: usize = AppliedForce::INPUTS + WIND_INPUTS;
 /// counts as rest, N.
 const AT_REST: f64 = 1e-3;
 
+/// Part of a step within which two times are one.
+const ROUNDING: f64 = 1e-9;
+
 /// A pantograph under a contact force from outside.
 struct Model {
     layout: Layout,
@@ -223,8 +226,8 @@ impl Subsystem {
                 }
             },
             &mut |model, (motion, state), _, reading| {
-                // At the start of the step the instruments have felt the last one.
-                let u = if motion.t > t { motion.u } else { reached };
+                // At the start of the step the instruments have felt the last one; its end is `t` but for rounding.
+                let u = if motion.t - t > ROUNDING * h { motion.u } else { reached };
                 model.read_instruments(&motion, &state.v_dot, u, reading);
             },
             &mut |model, (motion, _, dt, _)| {
