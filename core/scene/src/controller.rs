@@ -48,7 +48,10 @@ impl Scene {
                 refuse(found, key, number.to_string(), expected);
                 continue;
             };
-            if let Some((first, _)) = self.controller_of(controller.pantograph).filter(|(first, _)| *first < index) {
+            if let Some((first, _)) = self
+                .controller_of(controller.pantograph)
+                .filter(|(first, _)| *first < index)
+            {
                 let expected = format!("must be another one: controller[{}] commands this one", first + 1);
                 refuse(found, key, number.to_string(), expected);
             } else {

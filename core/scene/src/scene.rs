@@ -10,8 +10,8 @@ use crate::overrides::{last_key, override_with};
 use crate::ranges::{Range, take_ranges};
 use crate::tree::{At, Sources, Table, parse};
 use crate::{
-    Assessment, Catenary, Contact, ControllerFmu, Coupling, Evaluate, Measurement, MeshChoice, Model, Pantograph, Run, Solver,
-    Supplied, Track, Vehicle, Wear, Wind,
+    Assessment, Catenary, Contact, ControllerFmu, Coupling, Evaluate, Measurement, MeshChoice, Model, Pantograph, Run,
+    Solver, Supplied, Track, Vehicle, Wear, Wind,
 };
 use std::sync::Arc;
 

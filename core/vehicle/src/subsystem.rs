@@ -1,7 +1,7 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
-use crate::{AppliedForce, PantographModel, Vehicle, VehicleError, WIND_INPUTS};
 use crate::model::marker_acceleration;
+use crate::{AppliedForce, PantographModel, Vehicle, VehicleError, WIND_INPUTS};
 use component::exchange::instrument;
 use control::{Channel, ControllerState, Reading};
 use dynamics::{Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System};

@@ -139,10 +139,7 @@ pub fn archives(scene: &Scene, libraries: &Libraries) -> Result<Vec<(String, Pac
         let mut own = scene.clone();
         // The line knows nothing of who commands drives.
         own.controllers.clear();
-        archives.push((
-            "Catenary.fmu".to_owned(),
-            archive::<catenary::Subsystem>(&own, library),
-        ));
+        archives.push(("Catenary.fmu".to_owned(), archive::<catenary::Subsystem>(&own, library)));
     }
     let mut library = None;
     for (index, pantograph) in scene.pantographs.iter().enumerate() {

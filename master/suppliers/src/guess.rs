@@ -324,7 +324,14 @@ fn controller(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>;
     if let Some(desired) = desired {
         given.push(guess_of("desired_force", desired, "name"));
     }
-    for name in ["velocity", "position", "head_height", "head_velocity", "head_acceleration", "time"] {
+    for name in [
+        "velocity",
+        "position",
+        "head_height",
+        "head_velocity",
+        "head_acceleration",
+        "time",
+    ] {
         if let Some(variable) = inputs.named(&[name]) {
             given.push(guess_of(name, variable, "name"));
         }

@@ -127,11 +127,7 @@ impl SupplierError {
     pub fn is_input(&self) -> bool {
         match self {
             Self::Fmu(error) => error.is_input(),
-            Self::Wiring(_)
-            | Self::Sign { .. }
-            | Self::Step { .. }
-            | Self::Sample { .. }
-            | Self::Height { .. } => true,
+            Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } | Self::Sample { .. } | Self::Height { .. } => true,
         }
     }
 }

@@ -169,7 +169,10 @@ fn needed(description: &ModelDescription, entry: &Supplied, side: Side, strips: 
                 return Err(missing("force, as measured".to_owned(), "inputs"));
             }
             if !entry.outputs.contains_key("command") {
-                return Err(missing("command, the force that the drive is to exert".to_owned(), "outputs"));
+                return Err(missing(
+                    "command, the force that the drive is to exert".to_owned(),
+                    "outputs",
+                ));
             }
         }
         Side::Line => {

@@ -123,7 +123,11 @@ impl Whole {
         let contacts = self.contacts.chunks_exact(self.line.contact_wires());
         let on_head = contacts.zip(&self.heads).filter(|(_, (of, _))| *of == head);
         let pressed = on_head.filter_map(|(contacts, _)| {
-            ContactTotal::of(contacts.iter().filter_map(|contact| contact.state(motion, &state.lambda)))
+            ContactTotal::of(
+                contacts
+                    .iter()
+                    .filter_map(|contact| contact.state(motion, &state.lambda)),
+            )
         });
         reading.force = pressed.map(|total| -total.on_strip.z).sum();
     }

@@ -91,10 +91,11 @@ pub fn export(
         return Err(SspError::Shape { path, problem });
     }
     if !scene.controllers.is_empty() {
-        let problem = "controller: must be left out: a controller is asked at its samples, for which a system structure \
+        let problem =
+            "controller: must be left out: a controller is asked at its samples, for which a system structure \
                        has no word; master package writes the FMU of the pantograph, whose control.force is to be \
                        connected by hand"
-            .to_owned();
+                .to_owned();
         let path = path.to_owned();
         return Err(SspError::Shape { path, problem });
     }
