@@ -18,7 +18,8 @@ const LEAST_MEMORY: f64 = 5e7;
 /// not read: a line takes the rate of `roll` itself). A line's are those of `Catenary.fmu`: `strip[i].…`,
 /// `contact[i].…`, `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the
 /// force). A controller's inputs are `force`, `desired_force`, `velocity` and `position` of the driven point,
-/// `head_height`, `head_velocity`, `head_acceleration`, `time`, its output is `command`. Empty maps leave the wiring to be guessed from the FMU's variables.
+/// `head_height`, `head_velocity`, `head_acceleration`, `time`, its output is `command`. Empty maps leave the wiring to
+/// be guessed from the FMU's variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Supplied {
     /// Path of the archive, relative to the scene file.

@@ -436,7 +436,7 @@ impl Subsystem {
     }
 }
 
-/// What instruments show, in the order of [`instrument`]; `desired` is the contact force aimed at, N.
+/// Values of the instruments, in the order of [`instrument`]; `desired` is the contact force aimed at, N.
 #[must_use]
 pub fn instruments(shown: &Reading, desired: f64) -> [f64; instrument::COUNT] {
     let mut values = [0.0; instrument::COUNT];
