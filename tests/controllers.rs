@@ -74,6 +74,23 @@ fn a_controller_in_c_gives_the_bits_of_the_one_inside_in_every_mode() {
 }
 
 #[test]
+fn every_coupling_asks_once_per_sample() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new()
+        .saying("canGetAndSetFMUstate=\"true\"", "canGetAndSetFMUstate=\"false\"")
+        .write(folder.path(), "pid");
+    for algorithm in ["jacobi", "gauss_seidel", "iterated", "interface_jacobian"] {
+        let with = |keys: &[String]| {
+            let algorithm = format!("coupling.algorithm=\"{algorithm}\"");
+            let keys: Vec<String> = keys.iter().cloned().chain([algorithm]).collect();
+            run(short(&keys), Mode::Inprocess, "controller-algorithm")
+        };
+        let (expected, found) = (with(&inside(0.005)), with(&commanded(&fmu, 0.005, "")));
+        assert!(bits(&found) == bits(&expected), "{algorithm}");
+    }
+}
+
+#[test]
 fn samples_within_macro_steps_cost_rounding_and_a_step_that_is_divided() {
     let folder = tempfile::tempdir().unwrap();
     let (able, unable) = (
@@ -189,6 +206,7 @@ fn check_names_the_controller_and_its_wiring() {
     ] {
         assert!(told.contains(said), "nothing about {said:?}:\n{told}");
     }
+    let _ = (program.call(&["export", scene.to_str().unwrap()])).refused(2, &["controller: must be left out"]);
     let told = program.call(&["inspect", fmu.to_str().unwrap()]).done().stdout;
     assert!(
         told.contains("wiring as a controller") && told.contains("[[controller]]"),

@@ -36,8 +36,8 @@ struct Past {
 /// A controller FMU: asked once per sample.
 ///
 /// Sample `k` at `t = k T` gives it what the instruments show and has it step from `t` to `t + T`; its output then is
-/// the command of sample `k`. A sample that is repeated with the same readings, as in a macro step that is repeated, has
-/// the same answer without a call; with other readings the FMU goes back to its saved state.
+/// the command of sample `k`. A sample that is repeated with the same readings, as in a macro step that is repeated,
+/// has the same answer without a call; with other readings the FMU goes back to its saved state.
 pub struct SuppliedController {
     driven: Driven,
     inputs: Vec<WiredValue>,
