@@ -1,5 +1,5 @@
-//! Pantographs and controllers of other suppliers, written in C, which the tests build, describe and pack as needed, and
-//! the line they run under: `tests/suppliers`.
+//! Pantographs and controllers of other suppliers, written in C, which the tests build, describe and pack as needed,
+//! and the line that they run under: `tests/suppliers`.
 use crate::fmus::tree;
 use std::fs::{self, File};
 use std::io::Write;
