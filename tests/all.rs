@@ -3,6 +3,7 @@
 mod analytical;
 mod beam_line;
 mod control;
+mod controllers;
 mod corrections;
 mod cosim_vs_monolithic;
 mod cost_shares;

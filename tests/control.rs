@@ -81,8 +81,8 @@ fn advance(
         channels,
         (t, h),
         &mut |_, _| {},
-        &mut |system, motion, _, _, reading| {
-            system.model.read(&motion, reading);
+        &mut |system, (motion, state), _, reading| {
+            system.model.read(&motion, &state.v_dot, reading);
             reading.force = system.wire.pressed(&motion);
         },
         &mut |_, (motion, ..)| seen(motion.q[0]),

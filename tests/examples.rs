@@ -62,7 +62,7 @@ fn statistics(said: &str) -> (f64, f64) {
 }
 
 #[test]
-fn a_line_a_pantograph_and_a_master_of_ones_own_run_as_printed() {
+fn a_line_a_pantograph_a_controller_and_a_master_of_ones_own_run_as_printed() {
     let program = Program::new();
     let place = place();
     symlink(program.folder(), place.path().join("target/release")).unwrap();
@@ -72,7 +72,18 @@ fn a_line_a_pantograph_and_a_master_of_ones_own_run_as_printed() {
         said.contains("[[pantograph]]"),
         "inspect prints a table to paste: {said}"
     );
-    for name in ["own-line", "own-line-140", "own-line-both", "own-pantograph"] {
+    let said = run("own-controller", place.path());
+    assert!(
+        said.contains("[[controller]]"),
+        "inspect prints a table to paste: {said}"
+    );
+    for name in [
+        "own-line",
+        "own-line-140",
+        "own-line-both",
+        "own-pantograph",
+        "own-controller",
+    ] {
         let report = place.path().join("results").join(name).join("report.html");
         assert!(report.is_file(), "no {}", report.display());
     }

@@ -98,3 +98,25 @@ pub fn environment(name: &str, requirements: &Path) -> PathBuf {
     }
     interpreter
 }
+
+/// The shared library of the interpreter, which FMUs from PythonFMU expect to be loaded already.
+///
+/// # Panics
+/// When the interpreter has none.
+#[must_use]
+pub fn library(interpreter: &Path) -> String {
+    let ask =
+        "import sysconfig as s, os; print(os.path.join(s.get_config_var('LIBDIR'), s.get_config_var('INSTSONAME')))";
+    let path = run(
+        Command::new(interpreter).args(["-c", ask]),
+        "asking Python for its shared library",
+    );
+    let path = path.trim();
+    assert!(
+        path.contains(".so") && Path::new(path).exists(),
+        "FMUs from PythonFMU need a Python with a shared library, and {} has none ({path}): install one (Debian, \
+         Ubuntu: apt-get install libpython3-dev; pyenv: PYTHON_CONFIGURE_OPTS=--enable-shared)",
+        interpreter.display()
+    );
+    path.to_owned()
+}

@@ -5,7 +5,7 @@
 //! `solver.micro_step` in ours, which is of order 2. The line integrates in the same way in all runs.
 use integration_tests::fmus::tree;
 use integration_tests::installed::{Ended, Program};
-use integration_tests::python::{environment, run};
+use integration_tests::python::{environment, library, run};
 use integration_tests::runs::rms;
 use integration_tests::vendor::{LINE, OWN, Pantograph, under_the_line};
 use std::path::{Path, PathBuf};
@@ -112,7 +112,7 @@ fn a_pantograph_from_pythonfmu_runs_in_a_process_with_its_python() {
         "exporting a pantograph with PythonFMU",
     );
     let fmu = program.folder().join("TwoMass.fmu");
-    let library = libpython(&interpreter);
+    let library = library(&interpreter);
     let isolated = format!("{PARAMETERS}isolate = true\nenvironment = {{ LD_PRELOAD = {library:?} }}\n");
     let python = contact_force(&program, "python", &under_the_line(&fmu, &isolated), &[]);
     let in_c = theirs(&program, &Pantograph::new().write(program.folder(), "two_mass"), &[]);
@@ -136,22 +136,4 @@ fn a_pantograph_that_needs_python_says_what_it_needs() {
     let scene = under_the_line(Path::new("TwoMass.fmu"), PARAMETERS);
     let ended = program.run(&program.scene("python", &scene), &[]);
     let _ = ended.failed(&["TwoMass.fmu", "Python", "LD_PRELOAD", "environment"]);
-}
-
-/// The shared library of the interpreter, which FMUs from PythonFMU expect to be loaded already.
-fn libpython(interpreter: &Path) -> String {
-    let ask =
-        "import sysconfig as s, os; print(os.path.join(s.get_config_var('LIBDIR'), s.get_config_var('INSTSONAME')))";
-    let path = run(
-        Command::new(interpreter).args(["-c", ask]),
-        "asking Python for its shared library",
-    );
-    let path = path.trim();
-    assert!(
-        path.contains(".so") && Path::new(path).exists(),
-        "FMUs from PythonFMU need a Python with a shared library, and {} has none ({path}): install one (Debian, \
-         Ubuntu: apt-get install libpython3-dev; pyenv: PYTHON_CONFIGURE_OPTS=--enable-shared)",
-        interpreter.display()
-    );
-    path.to_owned()
 }

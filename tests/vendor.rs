@@ -1,5 +1,5 @@
-//! Pantographs of other suppliers: one written in C, which the tests build, describe and pack as needed, and the line
-//! they run under: `tests/suppliers`.
+//! Pantographs and controllers of other suppliers, written in C, which the tests build, describe and pack as needed,
+//! and the line that they run under: `tests/suppliers`.
 use crate::fmus::tree;
 use std::fs::{self, File};
 use std::io::Write;
@@ -109,6 +109,81 @@ impl Pantograph {
     /// # Panics
     /// Without a C compiler, or when the compiler refuses.
     pub fn write(&self, folder: &Path, name: &str) -> PathBuf {
+        let parts = Parts {
+            source: "tests/suppliers/pantograph.c",
+            identifier: IDENTIFIER,
+            macros: &self.macros,
+            description: &self.description,
+            resources: &self.resources,
+        };
+        parts.write(folder, name)
+    }
+}
+
+/// The controller of `examples/own-controller`, with a choice of description.
+#[derive(Clone)]
+pub struct Controller {
+    description: String,
+}
+
+impl Default for Controller {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Controller {
+    /// The controller as the example delivers it.
+    ///
+    /// # Panics
+    /// When its description is missing.
+    #[must_use]
+    pub fn new() -> Self {
+        let description = tree().join("examples/own-controller/modelDescription.xml");
+        Self {
+            description: fs::read_to_string(description).unwrap(),
+        }
+    }
+
+    /// Replaces words of the description, everywhere.
+    ///
+    /// # Panics
+    /// When the words to replace are missing.
+    #[must_use]
+    pub fn saying(mut self, instead: &str, words: &str) -> Self {
+        assert!(self.description.contains(instead), "nothing says {instead}");
+        self.description = self.description.replace(instead, words);
+        self
+    }
+
+    /// Builds the controller and writes the archive into a folder; returns the path.
+    ///
+    /// # Panics
+    /// Without a C compiler, or when the compiler refuses.
+    pub fn write(&self, folder: &Path, name: &str) -> PathBuf {
+        let parts = Parts {
+            source: "examples/own-controller/pid.c",
+            identifier: "pid",
+            macros: &[],
+            description: self.description.as_bytes(),
+            resources: &[],
+        };
+        parts.write(folder, name)
+    }
+}
+
+/// Source and content of an FMU.
+struct Parts<'a> {
+    source: &'a str,
+    /// Name of the binary in the archive, without extension.
+    identifier: &'a str,
+    macros: &'a [String],
+    description: &'a [u8],
+    resources: &'a [(String, Vec<u8>)],
+}
+
+impl Parts<'_> {
+    fn write(&self, folder: &Path, name: &str) -> PathBuf {
         let library = folder.join(format!("{name}.{}", std::env::consts::DLL_EXTENSION));
         let mut command = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
         command.args([
@@ -121,28 +196,25 @@ impl Pantograph {
             "-fvisibility=hidden",
         ]);
         command.args(self.macros.iter().map(|name| format!("-D{name}")));
-        command
-            .arg("-o")
-            .arg(&library)
-            .arg(tree().join("tests/suppliers/pantograph.c"));
+        command.arg("-o").arg(&library).arg(tree().join(self.source));
         let output = command.args(["-lm", "-lpthread"]).output().unwrap_or_else(|error| {
             panic!(
-                "the pantograph of another supplier is written in C and needs a compiler: {command:?}: {error}. \
+                "the FMU of another supplier is written in C and needs a compiler: {command:?}: {error}. \
                  Install one (Debian, Ubuntu: apt-get install gcc), or name it in CC, and run the tests again"
             )
         });
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let path = folder.join(format!("{name}.fmu"));
         let mut archive = ZipWriter::new(File::create(&path).unwrap());
-        let binary = fmi2::archive::binary_entry(IDENTIFIER);
+        let binary = fmi2::archive::binary_entry(self.identifier);
         let library = fs::read(&library).unwrap();
         let mut entry = |name: &str, content: &[u8]| {
             archive.start_file(name, SimpleFileOptions::default()).unwrap();
             archive.write_all(content).unwrap();
         };
-        entry("modelDescription.xml", &self.description);
+        entry("modelDescription.xml", self.description);
         entry(&binary, &library);
-        for (name, content) in &self.resources {
+        for (name, content) in self.resources {
             entry(&format!("resources/{name}"), content);
         }
         archive.finish().unwrap();

@@ -241,7 +241,7 @@ fn forces_over(scene: &Scene, heights: &[f64], (length, stiffness): (f64, f64)) 
             &mut [],
             (t, step),
             &mut |_, _| {},
-            &mut |_, _, _, _, _| {},
+            &mut |_, _, _, _| {},
             &mut |_, _| {},
         )
         .unwrap();

@@ -115,6 +115,8 @@ fn of_start(
 pub fn of_pantograph(scene: &Scene, index: usize) -> Scene {
     let mut own = scene.clone();
     own.pantographs = vec![scene.pantographs[index].clone()];
+    // Their commands come from outside of the pantograph.
+    own.controllers.clear();
     if let Some(acts) = own.wind.as_mut().and_then(|wind| wind.pantograph.as_mut()) {
         // One uplift for all pantographs, or one for each.
         if let Some(&uplift) = acts.uplift.get(index) {

@@ -147,6 +147,27 @@ group! {
     pub const COUNT: usize = SIGNALS.len();
 }
 
+group! {
+    /// Outputs of a pantograph whose commands come from outside: what the instruments of its controller show at the
+    /// next sample, with their noise. Exchanged with a controller, not with the line.
+    instrument: "control" {
+        FORCE: "control.measured.force" ["N"], "Contact force on the head as measured for the controller";
+        DESIRED: "control.desired.force" ["N"], "Contact force that the controller is to aim at";
+        VELOCITY: "control.measured.velocity" ["m/s"], "Vertical velocity of the driven point as measured";
+        POSITION: "control.measured.position" ["m"],
+            "Rise of the driven mass above its place of reference as measured; height of the driven point of a linkage";
+        HEAD_HEIGHT: "control.measured.head_height" ["m"], "Height of the head above the top of rail as measured";
+        HEAD_VELOCITY: "control.measured.head_velocity" ["m/s"], "Vertical velocity of the head as measured";
+        HEAD_ACCELERATION: "control.measured.head_acceleration" ["m/s2"],
+            "Vertical acceleration of the head as measured";
+    }
+
+    /// Number of instruments.
+    pub const COUNT: usize = SIGNALS.len();
+    /// Name of the input of the pantograph that takes the command, N.
+    pub const COMMAND: &str = "control.force";
+}
+
 /// Number of outputs of a line with `strips` strips and `supports` recorded supports.
 #[must_use]
 pub fn line_output_count(strips: usize, supports: usize) -> usize {

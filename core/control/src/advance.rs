@@ -1,11 +1,10 @@
 //! Time steps of a system with controllers.
 
-use dynamics::{Motion, Simulator, StepError, System};
+use dynamics::{Motion, Simulator, State, StepError, System};
 
 use crate::controller::{Controller, Reading};
 
 /// A controller and the input of the system that its force is.
-#[derive(Clone, Debug)]
 pub struct Channel {
     /// Controller.
     pub controller: Controller,
@@ -13,15 +12,18 @@ pub struct Channel {
     pub input: usize,
 }
 
-/// Reads the instruments of a controller, counted from 0, from motion and multipliers of the system.
-type Read<'a, S> = dyn FnMut(&mut S, Motion<'_>, &[f64], usize, &mut Reading) + 'a;
+/// Motion of a system, and its whole state with accelerations and multipliers.
+pub type Moment<'a> = (Motion<'a>, &'a State);
+
+/// Reads the instruments of a controller, counted from 0, at a moment of the system.
+type Read<'a, S> = dyn FnMut(&mut S, Moment<'_>, usize, &mut Reading) + 'a;
 
 /// Internal step that has ended: motion, multipliers, length and end, s.
 pub type Ended<'a> = (Motion<'a>, &'a [f64], f64, f64);
 
 /// Advances a system with controllers from `t` to `t + h`, s, from event to event.
 ///
-/// `inputs_at(τ, u)` writes the other inputs at `t + τ`; `read(system, motion, lambda, k, reading)` reads the
+/// `inputs_at(τ, u)` writes the other inputs at `t + τ`; `read(system, moment, k, reading)` reads the
 /// instruments of controller `k`; `after` sees each internal step at its end. A force that jumps is taken into the
 /// accelerations, see [`Simulator::jump`].
 ///
@@ -41,10 +43,10 @@ pub fn advance<S: System>(
         let mut to = end;
         let mut jumped = false;
         for (k, channel) in channels.iter_mut().enumerate() {
-            let (system, motion, lambda) = simulator.parts_with_multipliers();
+            let (system, motion, state) = simulator.parts_with_state();
             jumped |= channel
                 .controller
-                .act(from, &mut |reading| read(system, motion, lambda, k, reading));
+                .act(from, &mut |reading| read(system, (motion, state), k, reading))?;
             let event = channel.controller.next_event(from);
             // An event at the end belongs to the step that follows.
             if event > from && event < to * (1.0 - 1e-12) - 1e-12 {

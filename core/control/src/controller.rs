@@ -1,14 +1,12 @@
 //! Samples, delays and noise around a rule and a drive.
 
-use dynamics::SplitMix64;
+use dynamics::{SplitMix64, StepError};
 use serde::{Deserialize, Serialize};
 
 use crate::actuator::{Drive, DriveState};
 use crate::law::{KnownDrive, Law, Memory};
 use crate::riccati::NoGains;
-
-/// Part of a sample time within which two times are one.
-const SAME_TIME: f64 = 1e-7;
+use crate::samples::Samples;
 
 /// Contact force and motion that the instruments of a pantograph see.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,10 +15,28 @@ pub struct Reading {
     pub force: f64,
     /// Vertical velocity of the driven point, m/s.
     pub driven: f64,
+    /// Place of the driven point, m: rise of a driven mass above its place of reference, height of the driven point of
+    /// a linkage above the top of rail.
+    pub driven_place: f64,
+    /// Height of the head above the top of rail, m; 0 without commands from outside, as the two that follow.
+    pub head_height: f64,
+    /// Vertical velocity of the head, m/s.
+    pub head_velocity: f64,
+    /// Vertical acceleration of the head, m/s².
+    pub head_acceleration: f64,
     /// Rises of the masses of a chain above their places of reference, head first, m; empty for a linkage.
     pub rises: Vec<f64>,
     /// Their velocities, m/s.
     pub velocities: Vec<f64>,
+}
+
+/// Rule of commands that is not of this crate, such as that of an FMU.
+pub trait Rule: Send {
+    /// Command of sample `number`, N, from what the instruments show; `desired` is the contact force aimed at, N.
+    ///
+    /// # Errors
+    /// The reason why there is no command.
+    fn command(&mut self, number: i64, shown: &Reading, desired: f64) -> Result<f64, String>;
 }
 
 /// State of a [`Controller`] between two steps.
@@ -40,12 +56,13 @@ pub struct ControllerState {
 ///
 /// Sample `k` is at `t = k T`. It reads the pantograph; its command takes effect after the delays of sensors and
 /// actuator together, which are at most `T`.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Controller {
-    sample: f64,
+    samples: Samples,
     delay: f64,
     desired: f64,
     law: Law,
+    /// Rule that gives the commands in place of `law`.
+    rule: Option<Box<dyn Rule>>,
     drive: Drive,
     sensors: scene::Sensors,
     state: ControllerState,
@@ -68,15 +85,21 @@ impl Controller {
     ) -> Result<Self, NoGains> {
         let desired = control.force.unwrap_or(start);
         Ok(Self {
-            sample: control.sample_time,
+            samples: Samples::every(control.sample_time),
             delay: control.delay(),
             desired,
             law: Law::new(control, lumped, desired, reference_force)?,
+            rule: None,
             drive: Drive::from(&control.actuator),
             sensors: control.sensors,
             state: ControllerState::default(),
             shown: Reading::default(),
         })
+    }
+
+    /// Takes the commands from `rule`, in place of those from outside; the rule is not part of the state.
+    pub fn obey(&mut self, rule: Box<dyn Rule>) {
+        self.rule = Some(rule);
     }
 
     /// The state, to be kept and gone back to.
@@ -107,6 +130,19 @@ impl Controller {
         self.state.given
     }
 
+    /// Desired contact force, N.
+    #[must_use]
+    pub fn desired(&self) -> f64 {
+        self.desired
+    }
+
+    /// Reading of the instruments at `t` s, with the noise of the sample that is due then or next.
+    pub fn show(&mut self, t: f64, read: &mut dyn FnMut(&mut Reading)) -> &Reading {
+        read(&mut self.shown);
+        self.disturb(self.samples.first_from(t));
+        &self.shown
+    }
+
     /// Force of the drive at `t` s, N: valid up to the next event.
     #[must_use]
     pub fn force(&self, t: f64) -> f64 {
@@ -116,37 +152,40 @@ impl Controller {
     /// First time after `t` s at which a sample is taken or a command takes effect, s.
     #[must_use]
     pub fn next_event(&self, t: f64) -> f64 {
-        let after = self.first_after(t);
+        let after = self.samples.first_after(t);
         let next = self.state.next.map_or(after, |next| next.max(after));
-        let event = next as f64 * self.sample;
+        let event = self.samples.time(next);
         match self.state.on_its_way {
-            Some([time, _]) if !self.is_due(time, t) => event.min(time),
+            Some([time, _]) if !self.samples.is_due(time, t) => event.min(time),
             _ => event,
         }
     }
 
     /// Does what is due at `t` s: a command takes effect, a sample is taken by `read`. Returns true where the force of
     /// the drive may have jumped.
-    pub fn act(&mut self, t: f64, read: &mut dyn FnMut(&mut Reading)) -> bool {
+    ///
+    /// # Errors
+    /// A rule from outside that gives no command.
+    pub fn act(&mut self, t: f64, read: &mut dyn FnMut(&mut Reading)) -> Result<bool, StepError> {
         let mut jumped = false;
         if let Some([time, command]) = self.state.on_its_way
-            && self.is_due(time, t)
+            && self.samples.is_due(time, t)
         {
             self.state.on_its_way = None;
             jumped |= self.take_effect(t, command);
         }
-        let next = self.state.next.unwrap_or_else(|| self.first_from(t));
+        let next = self.state.next.unwrap_or_else(|| self.samples.first_from(t));
         self.state.next = Some(next);
-        if self.is_due(next as f64 * self.sample, t) {
-            let command = self.sampled(t, next, read);
-            self.state.next = Some(self.first_after(t));
+        if self.samples.is_due(self.samples.time(next), t) {
+            let command = self.sampled(t, next, read)?;
+            self.state.next = Some(self.samples.first_after(t));
             if self.delay > 0.0 {
-                self.state.on_its_way = Some([next as f64 * self.sample + self.delay, command]);
+                self.state.on_its_way = Some([self.samples.time(next) + self.delay, command]);
             } else {
                 jumped |= self.take_effect(t, command);
             }
         }
-        jumped
+        Ok(jumped)
     }
 
     fn take_effect(&mut self, t: f64, command: f64) -> bool {
@@ -155,22 +194,31 @@ impl Controller {
     }
 
     /// The command of sample `number` at `t` s, N.
-    fn sampled(&mut self, t: f64, number: i64, read: &mut dyn FnMut(&mut Reading)) -> f64 {
+    fn sampled(&mut self, t: f64, number: i64, read: &mut dyn FnMut(&mut Reading)) -> Result<f64, StepError> {
         read(&mut self.shown);
         self.disturb(number);
+        if let Some(rule) = &mut self.rule {
+            let command = rule.command(number, &self.shown, self.desired);
+            self.state.given = command.map_err(|reason| StepError::NoCommand { t, reason })?;
+        }
         let drive = KnownDrive {
             force: self.force(t),
             command: self.state.drive.command,
         };
         let bounds = (self.drive.limit, self.state.given);
-        self.law
-            .command(&mut self.state.memory, &self.shown, self.desired, drive, bounds)
+        let memory = &mut self.state.memory;
+        Ok(self.law.command(memory, &self.shown, self.desired, drive, bounds))
     }
 
     /// Adds the noise of sample `number` to what the sensors show.
     fn disturb(&mut self, number: i64) {
         let sensors = self.sensors;
-        if [sensors.force_noise, sensors.velocity_noise, sensors.position_noise] == [0.0; 3] {
+        let moving = [
+            sensors.velocity_noise,
+            sensors.position_noise,
+            sensors.acceleration_noise,
+        ];
+        if sensors.force_noise == 0.0 && moving == [0.0; 3] {
             return;
         }
         let mut random = SplitMix64::stream(sensors.seed as u64, number as u64);
@@ -183,20 +231,10 @@ impl Controller {
         for velocity in &mut shown.velocities {
             *velocity += sensors.velocity_noise * normal(&mut random);
         }
-    }
-
-    /// Number of the first sample at `t` s or later.
-    fn first_from(&self, t: f64) -> i64 {
-        (t / self.sample - SAME_TIME).ceil() as i64
-    }
-
-    /// Number of the first sample later than `t` s.
-    fn first_after(&self, t: f64) -> i64 {
-        ((t / self.sample + SAME_TIME).floor() as i64).saturating_add(1)
-    }
-
-    fn is_due(&self, event: f64, t: f64) -> bool {
-        event <= t + SAME_TIME * self.sample
+        shown.driven_place += sensors.position_noise * normal(&mut random);
+        shown.head_height += sensors.position_noise * normal(&mut random);
+        shown.head_velocity += sensors.velocity_noise * normal(&mut random);
+        shown.head_acceleration += sensors.acceleration_noise * normal(&mut random);
     }
 }
 

@@ -8,7 +8,8 @@
 //! | --- | --- |
 //! | `actuator` | force of a drive behind its commands: limit, lag, limit of its rate |
 //! | `law` | rules of the commands: PID, skyhook, linear-quadratic regulator |
-//! | `controller` | samples, delays and noise around a rule and a drive |
+//! | `controller` | delays and noise around a rule and a drive |
+//! | `samples` | times of samples |
 //! | `advance` | time steps of a system with controllers |
 //! | `linear` | linear pantograph on a spring, from sample to sample |
 //! | `riccati` | gains of the linear-quadratic regulator |
@@ -21,11 +22,13 @@ mod controller;
 mod law;
 mod linear;
 mod riccati;
+mod samples;
 mod stability;
 
 pub use actuator::{Drive, DriveState};
-pub use advance::{Channel, Ended, advance};
-pub use controller::{Controller, ControllerState, Reading};
+pub use advance::{Channel, Ended, Moment, advance};
+pub use controller::{Controller, ControllerState, Reading, Rule};
 pub use linear::LinearPantograph;
 pub use riccati::NoGains;
+pub use samples::Samples;
 pub use stability::SampledLoop;

@@ -95,6 +95,7 @@ impl SampledLoop {
             driven: state[masses + self.plant.driven()],
             rises: state.rows(0, masses).iter().copied().collect(),
             velocities: state.rows(masses, masses).iter().copied().collect(),
+            ..Reading::default()
         };
         let known = |index: usize| if index < n { state[index] } else { 0.0 };
         let drive = KnownDrive {

@@ -79,6 +79,7 @@ impl Scene {
         self.check_assessment(&mut found);
         self.check_measurement(&mut found);
         self.check_control(&mut found);
+        self.check_controllers(&mut found);
         self.check_wear(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
@@ -449,6 +450,12 @@ impl Supplied {
             refuse(found, format!("{path}.outputs"), named.join(", "), expected);
         }
         self.check_alignment(path, Some("height"), found);
+        self.check_environment(path, found);
+    }
+
+    /// Checks of an FMU that commands a drive.
+    pub(crate) fn check_controller(&self, path: &str, found: &mut Found) {
+        self.check_alignment(path, None, found);
         self.check_environment(path, found);
     }
 

@@ -50,7 +50,7 @@ pub enum ControlLaw {
         /// N·s/m.
         damping: f64,
     },
-    /// `"given"`: commands come from outside, through the input `control.force`.
+    /// `"given"`: commands come from outside, from an FMU of `[[controller]]` or through the input `control.force`.
     Given,
 }
 
@@ -81,6 +81,8 @@ pub struct Sensors {
     pub velocity_noise: f64,
     /// Standard deviation of the noise of measured positions, m.
     pub position_noise: f64,
+    /// Standard deviation of the noise of measured accelerations, m/s².
+    pub acceleration_noise: f64,
     /// Seed of the noise.
     pub seed: usize,
 }
@@ -189,7 +191,7 @@ impl Entry for Control {
         (
             "law",
             "Rule of the commands: PID on the contact force, linear-quadratic feedback of a lumped pantograph, a \
-             damper to the sky, or commands given from outside.",
+             damper to the sky, or commands given from outside, by a `[[controller]]` or by the program that steps.",
         ),
         ("sample_time", "Time between two samples of the controller."),
         (
@@ -291,6 +293,7 @@ impl Default for Sensors {
             force_noise: 0.0,
             velocity_noise: 0.0,
             position_noise: 0.0,
+            acceleration_noise: 0.0,
             seed: 1,
         }
     }
@@ -311,6 +314,10 @@ impl Entry for Sensors {
             "position_noise",
             "Standard deviation of the noise of measured positions.",
         ),
+        (
+            "acceleration_noise",
+            "Standard deviation of the noise of measured accelerations.",
+        ),
         ("seed", "Seed of the noise."),
     ];
 
@@ -321,6 +328,11 @@ impl Entry for Sensors {
             force_noise: number("force_noise", was.map(|sensors| sensors.force_noise), "N"),
             velocity_noise: number("velocity_noise", was.map(|sensors| sensors.velocity_noise), "m/s"),
             position_noise: number("position_noise", was.map(|sensors| sensors.position_noise), "m"),
+            acceleration_noise: number(
+                "acceleration_noise",
+                was.map(|sensors| sensors.acceleration_noise),
+                "m/s²",
+            ),
             seed: keys.count("seed", was.map(|sensors| sensors.seed), 0..=usize::MAX >> 1, Some(1)),
         }
     }

@@ -42,6 +42,7 @@ mod check_vehicle;
 mod choice;
 mod contact;
 mod control;
+mod controller;
 mod coupling;
 mod csv;
 mod curve;
@@ -88,6 +89,7 @@ pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics,
 pub use check::Found;
 pub use contact::{Contact, ContactLaw};
 pub use control::{Actuator, Control, ControlLaw, Sensors};
+pub use controller::ControllerFmu;
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use curve::{Curve, Direction, millimetres_up};
 pub use division::Division;

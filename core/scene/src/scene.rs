@@ -10,8 +10,8 @@ use crate::overrides::{last_key, override_with};
 use crate::ranges::{Range, take_ranges};
 use crate::tree::{At, Sources, Table, parse};
 use crate::{
-    Assessment, Catenary, Contact, Coupling, Evaluate, Measurement, MeshChoice, Model, Pantograph, Run, Solver,
-    Supplied, Track, Vehicle, Wear, Wind,
+    Assessment, Catenary, Contact, ControllerFmu, Coupling, Evaluate, Measurement, MeshChoice, Model, Pantograph, Run,
+    Solver, Supplied, Track, Vehicle, Wear, Wind,
 };
 use std::sync::Arc;
 
@@ -30,6 +30,8 @@ pub struct Scene {
     pub contact: Option<Contact>,
     /// `[[pantograph]]`, at least one, the first one leads.
     pub pantographs: Vec<Pantograph>,
+    /// `[[controller]]`: FMUs that command drives of pantographs.
+    pub controllers: Vec<ControllerFmu>,
     /// `[vehicle]`: what each pantograph stands on; shared, as it is never changed.
     pub vehicle: Option<Arc<Vehicle>>,
     /// `[track]`: what the wheels of the vehicle run on.
@@ -161,6 +163,7 @@ impl Scene {
             catenary: Line::Modelled(line),
             contact: Some(contact),
             pantographs,
+            controllers: Vec::new(),
             vehicle: None,
             track: None,
             wind: None,
@@ -266,7 +269,7 @@ impl Scene {
         }
     }
 
-    /// The supplied FMUs: that of the line, then those of pantographs.
+    /// The supplied FMUs: that of the line, then those of pantographs, then controllers.
     pub fn supplied_sides_mut(&mut self) -> impl Iterator<Item = &mut Supplied> {
         let line = match &mut self.catenary {
             Line::Supplied(side) => Some(side),
@@ -278,6 +281,7 @@ impl Scene {
                 crate::PantographModel::Supplied(side) => Some(side),
                 _ => None,
             }))
+            .chain(self.controllers.iter_mut().map(|controller| &mut controller.side))
     }
 
     /// Gravitational acceleration, m/s²; 9.81 where no modelled line says it.
@@ -361,6 +365,7 @@ impl Entry for Scene {
              own.",
         ),
         ("pantograph", "Pantographs, the leading one first."),
+        ("controller", "Controllers of pantographs that are FMUs."),
         (
             "vehicle",
             "Vehicle under each pantograph; without it the base travels straight ahead.",
@@ -416,6 +421,7 @@ impl Entry for Scene {
             catenary,
             contact,
             pantographs: keys.tables("pantograph", was.map(|scene| scene.pantographs.as_slice())),
+            controllers: keys.any_tables("controller", was.map(|scene| scene.controllers.as_slice())),
             vehicle: keys
                 .optional_table("vehicle", was.map(|scene| scene.vehicle.as_deref()))
                 .map(Arc::new),

@@ -11,13 +11,15 @@ const STEP_TIMEOUT: f64 = 60.0;
 /// Least memory that the process of an FMU may be given, bytes: that of the program itself.
 const LEAST_MEMORY: f64 = 5e7;
 
-/// An FMU with its wiring, in `[catenary]` or `[[pantograph]]`.
+/// An FMU with its wiring, in `[catenary]`, `[[pantograph]]` or `[[controller]]`.
 ///
 /// Inputs and outputs are keyed by this program's names. A pantograph's inputs are `force`, `force_x`, `force_y`,
 /// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate` (accepted and
 /// not read: a line takes the rate of `roll` itself). A line's are those of `Catenary.fmu`: `strip[i].…`,
 /// `contact[i].…`, `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the
-/// force). Empty maps leave the wiring to be guessed from the FMU's variables.
+/// force). A controller's inputs are `force`, `desired_force`, `velocity` and `position` of the driven point,
+/// `head_height`, `head_velocity`, `head_acceleration`, `time`, its output is `command`. Empty maps leave the wiring to
+/// be guessed from the FMU's variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Supplied {
     /// Path of the archive, relative to the scene file.
@@ -81,6 +83,21 @@ pub enum Offset {
 pub(crate) const PANTOGRAPH: [&[&str]; 2] = [
     &["force", "force_x", "force_y", "force_z", "time", "x"],
     &["height", "velocity", "x", "y", "vx", "vy", "roll", "roll_rate"],
+];
+
+/// A controller's inputs and outputs, by this program's names.
+pub(crate) const CONTROLLER: [&[&str]; 2] = [
+    &[
+        "force",
+        "desired_force",
+        "velocity",
+        "position",
+        "head_height",
+        "head_velocity",
+        "head_acceleration",
+        "time",
+    ],
+    &["command"],
 ];
 
 /// The names of a line's inputs and outputs, for as many strips and supports as a scene may have.
@@ -164,6 +181,15 @@ impl Supplied {
             keys,
             was,
             &PANTOGRAPH.map(|names| names.iter().map(|name| (*name).to_string()).collect()),
+        )
+    }
+
+    /// `[[controller]]`.
+    pub(crate) fn controller(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self::wired(
+            keys,
+            was,
+            &CONTROLLER.map(|names| names.iter().map(|name| (*name).to_string()).collect()),
         )
     }
 

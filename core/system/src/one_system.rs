@@ -6,7 +6,7 @@ mod whole;
 use catenary::{
     CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, scene_line, strip_contact,
 };
-use control::{Channel, ControllerState, Ended};
+use control::{Channel, ControllerState, Ended, Rule};
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
 use serde::{Deserialize, Serialize};
@@ -78,7 +78,7 @@ impl Control {
             &mut self.channels,
             (t, h),
             &mut |_, _| {},
-            &mut |whole, motion, lambda, k, reading| whole.read_instruments(&motion, lambda, pantographs[k], reading),
+            &mut |whole, (motion, state), k, reading| whole.read_instruments(&motion, state, pantographs[k], reading),
             after,
         )
     }
@@ -253,6 +253,13 @@ impl OneSystem {
             unrepeated: 0,
             crossed: 0.0,
         })
+    }
+
+    /// Takes the commands of pantograph `index` (from 0), which come from outside, from a rule.
+    pub fn command_by(&mut self, index: usize, rule: Box<dyn Rule>) {
+        if let Some(place) = self.control.pantographs.iter().position(|&own| own == index) {
+            self.control.channels[place].controller.obey(rule);
+        }
     }
 
     /// Puts a disturbance on the run to come; steps are not discarded, as there is no way to take them back.

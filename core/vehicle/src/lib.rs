@@ -51,6 +51,6 @@ pub use model::{PantographModel, Placement, WIND_INPUTS};
 pub use multibody::AppliedForce;
 pub use pantograph::{Air, Equilibrium, Linkage};
 pub use rail_vehicle::Vehicle;
-pub use subsystem::{Checkpoint, INPUTS, StripMotion, Subsystem};
+pub use subsystem::{Checkpoint, INPUTS, StripMotion, Subsystem, instruments};
 use travel::{Apparent, Travel};
 pub use wheel_rail::ProfileError;

@@ -5,7 +5,7 @@ use crate::pantograph::{self, BaseDisplacement, Equilibrium, Linkage, Pantograph
 use crate::rail_vehicle::Vehicle;
 use crate::{Air, Base, Displaced, VehicleError};
 use control::{Channel, Controller, Reading};
-use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, PartVisitor, State};
+use dynamics::{Columns, Constraint, Force, Frame, Layout, Marker, Motion, PartVisitor, State};
 use nalgebra::Vector3;
 use scene::{PantographModel as Entry, Scene};
 use std::sync::Arc;
@@ -54,6 +54,15 @@ const STILL: f64 = 1e-13;
 /// Largest number of iterations of the common equilibrium: the base hardly gives way, so that each gains three digits.
 const ITERATIONS: usize = 30;
 
+/// Acceleration of a marker from the accelerations of the coordinates, m/s², without the centripetal acceleration of a
+/// turning body.
+pub(crate) fn marker_acceleration(marker: &dyn Marker, motion: &Motion<'_>, v_dot: &[f64]) -> Vector3<f64> {
+    let mut columns = Columns::default();
+    marker.columns(motion, &mut columns);
+    let columns = columns.as_slice().iter();
+    columns.map(|column| column.translation * v_dot[column.index]).sum()
+}
+
 /// A pantograph on its base.
 #[derive(Debug)]
 pub struct PantographModel {
@@ -65,6 +74,18 @@ pub struct PantographModel {
     base: Base,
     /// Input that drives it.
     drive: Option<usize>,
+    /// Strips that the instruments of its controller see; none without commands from outside.
+    seen: Seen,
+}
+
+/// Strips that instruments see.
+#[derive(Default)]
+struct Seen(Vec<Box<dyn Marker>>);
+
+impl std::fmt::Debug for Seen {
+    fn fmt(&self, text: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(text, "{} strips", self.0.len())
+    }
 }
 
 impl PantographModel {
@@ -95,6 +116,7 @@ impl PantographModel {
             placement,
             base,
             drive: None,
+            seen: Seen::default(),
         })
     }
 
@@ -417,12 +439,26 @@ impl PantographModel {
         }
         self.drive = Some(input);
         let controller = Controller::new(control, lumped, self.static_force(), start)?;
+        if controller.takes_commands() {
+            self.seen = Seen((0..self.strips()).map(|strip| self.strip_at(strip)).collect());
+        }
         Ok(Some(Channel { controller, input }))
     }
 
-    /// Reads the motion of the pantograph for its controller.
-    pub fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
+    /// Reads the motion of the pantograph for its controller; `v_dot` are the accelerations of the coordinates.
+    pub fn read(&self, motion: &Motion<'_>, v_dot: &[f64], reading: &mut Reading) {
         self.pantograph.read(motion, reading);
+        let [mut height, mut velocity, mut acceleration] = [0.0; 3];
+        for strip in &self.seen.0 {
+            let frame = strip.frame(motion);
+            height += frame.position.z;
+            velocity += frame.velocity.z;
+            acceleration += marker_acceleration(&**strip, motion, v_dot).z;
+        }
+        let strips = self.seen.0.len().max(1) as f64;
+        reading.head_height = height / strips;
+        reading.head_velocity = velocity / strips;
+        reading.head_acceleration = acceleration / strips;
     }
 
     /// Force of the controlled drive, N; 0 without one.

@@ -1,6 +1,6 @@
 //! The pantograph as a component: table of its signals, and its parameters.
 use crate::{AppliedForce, Checkpoint, INPUTS, Subsystem, VehicleError};
-use component::exchange::{load, strip};
+use component::exchange::{instrument, load, strip};
 use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, StepFailure};
 use dynamics::StepError;
 use scene::{ControlLaw, PantographModel, Scene};
@@ -120,6 +120,26 @@ static COMMAND: [SignalEntry<Subsystem>; 1] = [SignalEntry {
     },
 }];
 
+/// Reading of an instrument.
+macro_rules! reading {
+    ($index:ident) => {
+        SignalEntry::output(instrument::SIGNALS[instrument::$index], |side: &mut Subsystem, _| {
+            side.shown(instrument::$index)
+        })
+    };
+}
+
+/// Readings of the controller's instruments, for whoever gives the commands.
+static INSTRUMENTS: [SignalEntry<Subsystem>; instrument::COUNT] = [
+    reading!(FORCE),
+    reading!(DESIRED),
+    reading!(VELOCITY),
+    reading!(POSITION),
+    reading!(HEAD_HEIGHT),
+    reading!(HEAD_VELOCITY),
+    reading!(HEAD_ACCELERATION),
+];
+
 /// Signals of the pantograph below the strip.
 static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
     SignalEntry::output(
@@ -134,7 +154,7 @@ static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
 
 /// Signals of a pantograph with this many strips on a vehicle with this many wheels, or on none; with commands from
 /// outside or without.
-fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [SignalGroup<Subsystem>; 8] {
+fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [SignalGroup<Subsystem>; 9] {
     let group = |name, entries, members| SignalGroup {
         name,
         entries,
@@ -148,6 +168,7 @@ fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [Signal
         group(None, &COMMAND[..], usize::from(takes_commands)),
         group(Some(strip::GROUP), &STRIP[..], strips),
         group(None, &PANTOGRAPH[..], 1),
+        group(None, &INSTRUMENTS[..], usize::from(takes_commands)),
         base,
         wheel,
         more_base,
@@ -157,7 +178,7 @@ fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [Signal
 impl Component for Subsystem {
     type Checkpoint = Checkpoint;
     type Error = VehicleError;
-    type Groups = [SignalGroup<Self>; 8];
+    type Groups = [SignalGroup<Self>; 9];
 
     const IDENTIFIER: &'static str = "Pantograph";
     const DESCRIPTION: &'static str =

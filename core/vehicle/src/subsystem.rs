@@ -1,10 +1,10 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
+use crate::model::marker_acceleration;
 use crate::{AppliedForce, PantographModel, Vehicle, VehicleError, WIND_INPUTS};
-use control::{Channel, ControllerState};
-use dynamics::{
-    Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
-};
+use component::exchange::instrument;
+use control::{Channel, ControllerState, Reading};
+use dynamics::{Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -16,6 +16,9 @@ pub const INPUTS: usize = AppliedForce::INPUTS + WIND_INPUTS;
 /// Difference between the start force of the scene and the force of rest at the start height up to which the start
 /// counts as rest, N.
 const AT_REST: f64 = 1e-3;
+
+/// Part of a step within which two times are one.
+const ROUNDING: f64 = 1e-9;
 
 /// A pantograph under a contact force from outside.
 struct Model {
@@ -39,6 +42,15 @@ impl System for Model {
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         self.pantograph.constraints(visit);
+    }
+}
+
+impl Model {
+    /// Reads the instruments of the controller; `u` are the inputs that they have felt last.
+    fn read_instruments(&self, motion: &Motion<'_>, v_dot: &[f64], u: &[f64], reading: &mut Reading) {
+        self.pantograph.read(motion, v_dot, reading);
+        let forces = self.contacts.iter().map(|contact| u[contact.first + 2]);
+        reading.force = -forces.sum::<f64>();
     }
 }
 
@@ -213,12 +225,10 @@ impl Subsystem {
                     *value = input.at(tau);
                 }
             },
-            &mut |model, motion, _, _, reading| {
-                model.pantograph.read(&motion, reading);
-                // At the start of the step the instruments have felt the last one.
-                let u = if motion.t > t { motion.u } else { reached };
-                let forces = model.contacts.iter().map(|contact| u[contact.first + 2]);
-                reading.force = -forces.sum::<f64>();
+            &mut |model, (motion, state), _, reading| {
+                // At the start of the step the instruments have felt the last one; its end is `t` but for rounding.
+                let u = if motion.t - t > ROUNDING * h { motion.u } else { reached };
+                model.read_instruments(&motion, &state.v_dot, u, reading);
             },
             &mut |model, (motion, _, dt, _)| {
                 for ((last, work), contact) in powers.iter_mut().zip(&model.contacts) {
@@ -317,15 +327,8 @@ impl Subsystem {
     /// Acceleration of the middle of strip `strip` (from 0) from the accelerations of the coordinates, m/s², without
     /// the centripetal acceleration of a turning body.
     pub fn strip_acceleration(&mut self, strip: usize) -> Vector3<f64> {
-        let mut columns = Columns::default();
-        let (model, motion) = self.simulator.parts();
-        model.contacts[strip].marker.columns(&motion, &mut columns);
-        let v_dot = &self.simulator.state().v_dot;
-        columns
-            .as_slice()
-            .iter()
-            .map(|column| column.translation * v_dot[column.index])
-            .sum()
+        let (model, motion, state) = self.simulator.parts_with_state();
+        marker_acceleration(&*model.contacts[strip].marker, &motion, &state.v_dot)
     }
 
     /// Angular velocity of strip `strip` (from 0), rad/s, world axes.
@@ -358,6 +361,20 @@ impl Subsystem {
     pub fn given_command(&self) -> f64 {
         let controller = self.controllers.first();
         controller.map_or(0.0, |channel| channel.controller.given())
+    }
+
+    /// Reading of an instrument of the controller now, see [`instrument`]; 0 without controller.
+    pub fn shown(&mut self, index: usize) -> f64 {
+        let Some(channel) = self.controllers.first_mut() else {
+            return 0.0;
+        };
+        let (model, motion, state) = self.simulator.parts_with_state();
+        let reached = &self.reached;
+        let desired = channel.controller.desired();
+        let shown = channel.controller.show(motion.t, &mut |reading| {
+            model.read_instruments(&motion, &state.v_dot, reached, reading);
+        });
+        instruments(shown, desired)[index]
     }
 
     /// True where commands come from outside.
@@ -417,6 +434,24 @@ impl Subsystem {
         }
         Ok(())
     }
+}
+
+/// Values of the instruments, in the order of [`instrument`]; `desired` is the contact force aimed at, N.
+#[must_use]
+pub fn instruments(shown: &Reading, desired: f64) -> [f64; instrument::COUNT] {
+    let mut values = [0.0; instrument::COUNT];
+    for (index, value) in [
+        (instrument::FORCE, shown.force),
+        (instrument::DESIRED, desired),
+        (instrument::VELOCITY, shown.driven),
+        (instrument::POSITION, shown.driven_place),
+        (instrument::HEAD_HEIGHT, shown.head_height),
+        (instrument::HEAD_VELOCITY, shown.head_velocity),
+        (instrument::HEAD_ACCELERATION, shown.head_acceleration),
+    ] {
+        values[index] = value;
+    }
+    values
 }
 
 /// Power of a contact on its strip, W.

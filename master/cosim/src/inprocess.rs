@@ -5,7 +5,7 @@ use scene::Scene;
 use crate::slave::{Abilities, Slave, SlaveError, finite};
 use component::Frame;
 use component::Work;
-use component::exchange::{contact, load, strip, support};
+use component::exchange::{contact, instrument, load, strip, support};
 use component::{Component, positions};
 use system::picture;
 
@@ -40,7 +40,8 @@ impl InProcess<catenary::Subsystem> {
 }
 
 impl InProcess<vehicle::Subsystem> {
-    /// Pantograph `index` (from 0) of a scene.
+    /// Pantograph `index` (from 0) of a scene; with the command as its last input and the readings of its instruments
+    /// as last outputs, where an FMU of the scene commands its drive.
     ///
     /// # Errors
     /// A pantograph without equilibrium at its start.
@@ -49,8 +50,14 @@ impl InProcess<vehicle::Subsystem> {
         let component = vehicle::Subsystem::build(&own)?;
         let strips = component.strips();
         let groups = component.groups();
-        let inputs = positions(&groups, load::GROUP, 0..strips, &load::SIGNALS);
-        let outputs = positions(&groups, strip::GROUP, 0..strips, &strip::SIGNALS);
+        let mut inputs = positions(&groups, load::GROUP, 0..strips, &load::SIGNALS);
+        let mut outputs = positions(&groups, strip::GROUP, 0..strips, &strip::SIGNALS);
+        if scene.controller_of(index).is_some() {
+            let signals = vehicle::Subsystem::signals(&own);
+            let place = |name: &str| signals.iter().position(|signal| signal.name == name);
+            inputs.extend(place(instrument::COMMAND));
+            outputs.extend(instrument::SIGNALS.iter().filter_map(|signal| place(signal.name)));
+        }
         let name = format!("pantograph {}", index + 1);
         Ok(Self::new(&name, component, &own, [inputs, outputs], draw_pantograph))
     }

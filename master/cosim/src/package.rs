@@ -136,10 +136,10 @@ pub fn archives(scene: &Scene, libraries: &Libraries) -> Result<Vec<(String, Pac
     let mut archives = Vec::new();
     if let Line::Modelled(_) = scene.catenary {
         let library = read(&libraries.catenary)?;
-        archives.push((
-            "Catenary.fmu".to_owned(),
-            archive::<catenary::Subsystem>(scene, library),
-        ));
+        let mut own = scene.clone();
+        // The line knows nothing of who commands drives.
+        own.controllers.clear();
+        archives.push(("Catenary.fmu".to_owned(), archive::<catenary::Subsystem>(&own, library)));
     }
     let mut library = None;
     for (index, pantograph) in scene.pantographs.iter().enumerate() {

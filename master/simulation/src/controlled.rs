@@ -26,7 +26,7 @@ fn all(scene: &Scene) -> impl Iterator<Item = (usize, &Control)> {
 /// The controllers as a part of the model; none where nothing is controlled.
 pub(crate) fn part(scene: &Scene) -> Option<Part> {
     let described: Vec<String> = all(scene)
-        .map(|(index, control)| format!("pantograph {}: {}", index + 1, described(control)))
+        .map(|(index, control)| format!("pantograph {}: {}", index + 1, described(scene, index, control)))
         .collect();
     (!described.is_empty()).then(|| Part {
         part: "control".to_owned(),
@@ -35,12 +35,15 @@ pub(crate) fn part(scene: &Scene) -> Option<Part> {
     })
 }
 
-fn described(control: &Control) -> String {
+fn described(scene: &Scene, index: usize, control: &Control) -> String {
     let rule = match control.law {
-        ControlLaw::Pid { .. } => "PID on the contact force",
-        ControlLaw::Lqr { .. } => "linear-quadratic regulator",
-        ControlLaw::Skyhook { .. } => "skyhook damper",
-        ControlLaw::Given => "commands from outside",
+        ControlLaw::Pid { .. } => "PID on the contact force".to_owned(),
+        ControlLaw::Lqr { .. } => "linear-quadratic regulator".to_owned(),
+        ControlLaw::Skyhook { .. } => "skyhook damper".to_owned(),
+        ControlLaw::Given => match scene.controller_of(index) {
+            Some((_, controller)) => format!("commands from FMU {}", controller.side.fmu),
+            None => "commands from outside".to_owned(),
+        },
     };
     let actuator = &control.actuator;
     let place = actuator

@@ -46,7 +46,7 @@ use results::recorder::Recorder;
 use results::standards;
 use results::{self, DropperRow, LineGeometry, Record, RunInfo};
 use suppliers::settling::{self, Settling};
-use suppliers::{SuppliedLine, SuppliedPantograph};
+use suppliers::{SuppliedController, SuppliedLine, SuppliedPantograph};
 use system::disturbance::Disturbance;
 use system::one_system::stepped::SteppedSystem;
 use system::one_system::{Evidence, OneSystem};
@@ -114,6 +114,8 @@ pub struct Prepared {
     pub others: Vec<Other>,
     /// Supplied pantographs, started; `None` for those modelled here.
     pub supplied: Vec<Option<SuppliedPantograph>>,
+    /// Controller FMU of each pantograph, started; `None` for pantographs without one.
+    pub(crate) controllers: Vec<Option<SuppliedController>>,
     /// Contact force at which each supplied pantograph starts by its own account, N; 0 for those modelled here.
     pub(crate) stated_forces: Vec<f64>,
     pub(crate) line: Option<SuppliedLine>,
@@ -343,6 +345,7 @@ impl Prepared {
             return Err(SetupError::NotInThisMode { mode, what }.into());
         }
         let mut supplied = std::mem::take(&mut self.supplied);
+        let controllers = std::mem::take(&mut self.controllers);
         let mut line = self.line.take();
         let others = line.is_some() || supplied.iter().any(Option::is_some);
         if self.scene.run.initialise == Initialise::Equilibrium
@@ -364,8 +367,8 @@ impl Prepared {
         let strips = self.scene.strip_counts();
         let outputs = exchange::line_output_count(strips.iter().sum(), supports.len());
         let (mut line, mut pantographs) = match mode {
-            Mode::Cosimulation => self.fmu_slaves(supports, line, supplied, source)?,
-            _ => self.core_slaves(supports, line, supplied)?,
+            Mode::Cosimulation => self.fmu_slaves(supports, line, supplied, controllers, source)?,
+            _ => self.core_slaves(supports, line, supplied, controllers)?,
         };
         disturb(&self.disturbance, &mut line, &mut pantographs, outputs, &strips);
         let beside_the_line = self.scene.coupling.algorithm == scene::Algorithm::Jacobi;
@@ -442,6 +445,11 @@ impl Prepared {
     /// # Errors
     /// A scene that is no one system; see [`SetupError`].
     pub fn stepped(&self) -> Result<SteppedSystem, SetupError> {
+        if !self.scene.controllers.is_empty() {
+            let what = "controller: must be left out of a simulation that is stepped from outside, which gives the \
+                        commands itself: pantograph[i].control.force";
+            return Err(SetupError::NotAvailable(what.to_owned()));
+        }
         let statics = self.statics_of_one_system()?;
         Ok(SteppedSystem::new(
             &self.scene,
@@ -451,13 +459,19 @@ impl Prepared {
     }
 
     fn run_as_one<E: From<SetupError>>(
-        self,
+        mut self,
         supports: &[usize],
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
+        let controllers = std::mem::take(&mut self.controllers);
         let statics = self.statics_of_one_system()?;
         let mut whole = OneSystem::new(&self.scene, statics, supports).map_err(SetupError::from)?;
+        for (index, controller) in controllers.into_iter().enumerate() {
+            if let Some(controller) = controller {
+                whole.command_by(index, Box::new(controller));
+            }
+        }
         whole.disturb(&self.disturbance).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();

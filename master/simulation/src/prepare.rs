@@ -12,7 +12,10 @@ use crate::statics_hints::with_suspects;
 use crate::{Prepared, SetupError, StaticLines};
 use crate::{size, table_files};
 use cosim::fmu_slave::CosimulationError;
-use suppliers::{Side, StripAtStart, SuppliedLine, SuppliedPantograph, SupplierError, Wiring, aligned, own_heights};
+use suppliers::{
+    Side, StripAtStart, SuppliedController, SuppliedLine, SuppliedPantograph, SupplierError, Wiring, aligned,
+    own_heights,
+};
 use system::disturbance::Disturbance;
 use system::equilibrium;
 
@@ -86,7 +89,8 @@ pub fn prepare_on(
         (None, Line::Modelled(_)) => None,
     };
     catenary::mesh::check(&scene, name)?;
-    let others = others(&scene, line.as_ref(), &supplied);
+    let controllers = start_controllers(&mut scene, base, logging)?;
+    let others = others(&scene, line.as_ref(), &supplied, &controllers);
     let stated = |one: &Option<SuppliedPantograph>| one.as_ref().map_or(0.0, SuppliedPantograph::start_force);
     let stated_forces = supplied.iter().map(stated).collect();
     Ok(Prepared {
@@ -97,6 +101,7 @@ pub fn prepare_on(
         settling: None,
         others,
         supplied,
+        controllers,
         stated_forces,
         line,
         begin,
@@ -104,7 +109,12 @@ pub fn prepare_on(
     })
 }
 
-fn others(scene: &Scene, line: Option<&SuppliedLine>, pantographs: &[Option<SuppliedPantograph>]) -> Vec<Other> {
+fn others(
+    scene: &Scene,
+    line: Option<&SuppliedLine>,
+    pantographs: &[Option<SuppliedPantograph>],
+    controllers: &[Option<SuppliedController>],
+) -> Vec<Other> {
     let lines = |wiring: &Wiring| wiring.lines().map(str::to_owned).collect();
     let mut others = Vec::new();
     if let (Some(line), Line::Supplied(entry)) = (line, &scene.catenary) {
@@ -125,7 +135,38 @@ fn others(scene: &Scene, line: Option<&SuppliedLine>, pantographs: &[Option<Supp
             });
         }
     }
+    for (index, controller) in controllers.iter().enumerate() {
+        if let (Some(controller), Some((number, entry))) = (controller, scene.controller_of(index)) {
+            others.push(Other {
+                name: format!("controller {} of pantograph {}", number + 1, index + 1),
+                fmu: entry.side.fmu.clone(),
+                wiring: lines(controller.wiring()),
+                remarks: controller.remarks(),
+            });
+        }
+    }
     others
+}
+
+/// Starts the controller FMUs, one place for each pantograph.
+fn start_controllers(
+    scene: &mut Scene,
+    base: &Path,
+    logging: bool,
+) -> Result<Vec<Option<SuppliedController>>, SetupError> {
+    let mut controllers: Vec<_> = scene.pantographs.iter().map(|_| None).collect();
+    for number in 0..scene.controllers.len() {
+        let table = format!("controller[{}]", number + 1);
+        let mut entry = scene.controllers[number].side.clone();
+        let fmu = open(&table, &mut entry, base)?;
+        let started = SuppliedController::start(&fmu, &mut entry, scene, number, logging);
+        let controller = started.map_err(|source| refused(&table, &entry, source))?;
+        scene.controllers[number].side = entry;
+        if let Some(place) = controllers.get_mut(scene.controllers[number].pantograph) {
+            *place = Some(controller);
+        }
+    }
+    Ok(controllers)
 }
 
 /// The FMU of an entry of a table of the scene, whose path is made absolute.
@@ -262,7 +303,7 @@ fn refused(table: &str, entry: &Supplied, source: SupplierError) -> SetupError {
         SupplierError::Fmu(error) => key_of(entry, error),
         SupplierError::Wiring(error) => error.key(),
         SupplierError::Sign { name, .. } => format!("inputs.{name}"),
-        SupplierError::Step { .. } => "fmu".to_owned(),
+        SupplierError::Step { .. } | SupplierError::Sample { .. } => "fmu".to_owned(),
         SupplierError::Height { .. } => "outputs.height".to_owned(),
     };
     // A message that names a key of the FMU only does not say which FMU it is.

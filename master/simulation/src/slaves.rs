@@ -1,13 +1,13 @@
 //! Line and pantographs as slaves of a coupled run.
 
 use super::{FmuSource, Prepared, SetupError};
-use component::exchange;
+use component::exchange::{self, instrument, load, strip};
 use component::of_pantograph;
 use cosim::fmu_slave::{FmuSlave, Role};
 use cosim::inprocess::{self, InProcess};
 use cosim::package::{self, Libraries};
 use cosim::slave::Slave;
-use suppliers::{SuppliedLine, SuppliedPantograph};
+use suppliers::{Commanded, SuppliedController, SuppliedLine, SuppliedPantograph};
 
 /// Slaves of a coupled run.
 type Slaves = (Box<dyn Slave>, Vec<Box<dyn Slave>>);
@@ -19,6 +19,7 @@ impl Prepared {
         supports: &[usize],
         line: Option<SuppliedLine>,
         supplied: Vec<Option<SuppliedPantograph>>,
+        mut controllers: Vec<Option<SuppliedController>>,
     ) -> Result<Slaves, SetupError> {
         let line: Box<dyn Slave> = match line {
             Some(line) => Box::new(line),
@@ -33,7 +34,8 @@ impl Prepared {
                         pantograph: index + 1,
                         source,
                     };
-                    Box::new(InProcess::pantograph(&self.scene, index).map_err(refused)?)
+                    let slave = Box::new(InProcess::pantograph(&self.scene, index).map_err(refused)?);
+                    self.commanded(slave, index, &mut controllers)
                 }
             });
         }
@@ -46,6 +48,7 @@ impl Prepared {
         supports: &[usize],
         line: Option<SuppliedLine>,
         supplied: Vec<Option<SuppliedPantograph>>,
+        mut controllers: Vec<Option<SuppliedController>>,
         source: &FmuSource,
     ) -> Result<Slaves, SetupError> {
         let fmus = if line.is_some() && supplied.iter().all(Option::is_some) {
@@ -91,16 +94,36 @@ impl Prepared {
                 None => {
                     let name = format!("pantograph {}", index + 1);
                     let strips = self.scene.strips_of(index).len();
-                    let (inputs, outputs) = (
+                    let (mut inputs, mut outputs) = (
                         exchange::pantograph_inputs(strips),
                         exchange::pantograph_outputs(strips),
                     );
+                    if self.scene.controller_of(index).is_some() {
+                        inputs.push(instrument::COMMAND.to_owned());
+                        outputs.extend(instrument::SIGNALS.iter().map(|signal| signal.name.to_owned()));
+                    }
                     let role = role(name, inputs, outputs);
                     let slave = FmuSlave::start(fmu(&package::pantograph_file(index)), role)?;
-                    Box::new(slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph))
+                    let slave = slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph);
+                    self.commanded(Box::new(slave), index, &mut controllers)
                 }
             });
         }
         Ok((line, pantographs))
+    }
+
+    /// Pantograph `index` (from 0) with the controller that the scene has for it.
+    fn commanded(
+        &self,
+        slave: Box<dyn Slave>,
+        index: usize,
+        controllers: &mut [Option<SuppliedController>],
+    ) -> Box<dyn Slave> {
+        let Some(controller) = controllers.get_mut(index).and_then(Option::take) else {
+            return slave;
+        };
+        let strips = self.scene.strips_of(index).len();
+        let counts = (strips * load::COUNT, strips * strip::OUTPUTS);
+        Box::new(Commanded::new(slave, controller, &self.scene, counts))
     }
 }

@@ -7,7 +7,7 @@ use fmi2::model_description::{BaseType, Causality, Kind, ModelDescription, Varia
 
 use super::quantity::{Side, unit};
 use super::units::Declared;
-use component::exchange::{contact, strip};
+use component::exchange::{contact, instrument, strip};
 
 /// A connection that is guessed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -132,6 +132,39 @@ const VELOCITY: Words = Words {
     ],
 };
 
+const COMMAND: Words = Words {
+    names: &[
+        "command",
+        "u",
+        "force_command",
+        "f_command",
+        "u_c",
+        "f_cmd",
+        "f_act",
+        "actuator_force",
+        "control",
+        "control_force",
+        "stellkraft",
+        "y",
+        "out",
+    ],
+    parts: &["command", "actuator", "control", "drive", "stell", "consigne"],
+};
+
+/// Names of the contact force that a controller aims at.
+const DESIRED: [&str; 10] = [
+    "desired_force",
+    "force_desired",
+    "f_desired",
+    "f_d",
+    "setpoint",
+    "set_point",
+    "f_set",
+    "f_ref",
+    "reference_force",
+    "sollkraft",
+];
+
 /// Words that speak for the strip among several bodies.
 const STRIP: [&str; 14] = [
     "strip",
@@ -246,10 +279,12 @@ pub fn guess(description: &ModelDescription, side: Side) -> [Vec<Guess>; 2] {
     match side {
         Side::Pantograph => pantograph(&of(Causality::Input), &of(Causality::Output)),
         Side::Line => line(&of(Causality::Input), &of(Causality::Output)),
+        Side::Controller => controller(&of(Causality::Input), &of(Causality::Output)),
     }
 }
 
-/// The side that an FMU seems to be, by what is recognised in it: a pantograph takes a force, a line gives one.
+/// The side that an FMU seems to be, by what is recognised in it: a pantograph takes a force, a line gives one, a
+/// controller takes a force and gives one.
 #[must_use]
 pub fn side(description: &ModelDescription) -> Option<Side> {
     let whole = |side: Side| {
@@ -260,7 +295,57 @@ pub fn side(description: &ModelDescription) -> Option<Side> {
     if structured("strip[1].z") && structured("contact[1].force") {
         return Some(Side::Line);
     }
-    [Side::Pantograph, Side::Line].into_iter().find(|side| whole(*side))
+    if whole(Side::Pantograph) {
+        return Some(Side::Pantograph);
+    }
+    let in_newton = |guesses: &[Guess]| {
+        guesses.iter().any(|guess| {
+            let variable = description.variable(&guess.variable);
+            let declared = variable.map(|variable| Declared::of(description, variable));
+            declared.is_some_and(|declared| declared.to_si("N").is_some())
+        })
+    };
+    let [inputs, outputs] = guess(description, Side::Controller);
+    if in_newton(&inputs) && in_newton(&outputs) {
+        return Some(Side::Controller);
+    }
+    whole(Side::Line).then_some(Side::Line)
+}
+
+fn controller(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>; 2] {
+    let mut given = Vec::new();
+    let desired = inputs.named(&DESIRED);
+    let taken: Vec<&str> = desired.iter().map(|variable| variable.name.as_str()).collect();
+    let force = inputs.named(&["force", instrument::SIGNALS[instrument::FORCE].name]);
+    let force = force.map(|variable| (variable, "name".to_owned()));
+    if let Some((force, because)) = force.or_else(|| inputs.likeliest(&FORCE, "N", &taken)) {
+        given.push(guess_of("force", force, because));
+    }
+    if let Some(desired) = desired {
+        given.push(guess_of("desired_force", desired, "name"));
+    }
+    for name in [
+        "velocity",
+        "position",
+        "head_height",
+        "head_velocity",
+        "head_acceleration",
+        "time",
+    ] {
+        if let Some(variable) = inputs.named(&[name]) {
+            given.push(guess_of(name, variable, "name"));
+        }
+    }
+    let has = |given: &[Guess], name: &str| given.iter().any(|guess| guess.name.ends_with(name));
+    if !has(&given, "velocity")
+        && let Some((velocity, because)) = inputs.likeliest(&VELOCITY, "m/s", &taken)
+    {
+        let other = given.iter().any(|guess| guess.variable == velocity.name);
+        given.extend((!other).then(|| guess_of("velocity", velocity, because)));
+    }
+    let command = outputs.likeliest(&COMMAND, "N", &[]);
+    let read = command.map(|(command, because)| guess_of("command", command, because));
+    [given, read.into_iter().collect()]
 }
 
 fn pantograph(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>; 2] {

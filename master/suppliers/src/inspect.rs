@@ -173,6 +173,16 @@ impl Inspection {
                     inline(&wiring.outputs)
                 ));
             }
+            Side::Controller => {
+                text.push_str(&format!("[[controller]]\nfmu = {fmu}\npantograph = 1\n"));
+                for (table, wires) in [("inputs", &wiring.inputs), ("outputs", &wiring.outputs)] {
+                    let entries: Vec<String> = wires
+                        .iter()
+                        .map(|wire| format!("{} = {}", wire.name, connection(wire)))
+                        .collect();
+                    text.push_str(&format!("{table} = {{ {} }}\n", entries.join(", ")));
+                }
+            }
             Side::Line => {
                 text.push_str(&format!("[catenary]\nfmu = {fmu}\n"));
                 for (table, wires) in [("inputs", &wiring.inputs), ("outputs", &wiring.outputs)] {
@@ -362,6 +372,7 @@ fn tried(inspection: &Inspection, out: &mut String) -> std::fmt::Result {
 fn wiring(path: &Path, inspection: &Inspection, out: &mut String) -> std::fmt::Result {
     let seen_as = match inspection.side {
         Some(Side::Line) => "a line",
+        Some(Side::Controller) => "a controller",
         _ => "a pantograph",
     };
     let [inputs, outputs] = &inspection.guesses;
@@ -391,6 +402,7 @@ fn wiring(path: &Path, inspection: &Inspection, out: &mut String) -> std::fmt::R
             writeln!(out, "  {refusal}")?;
             let needed = match inspection.side {
                 Some(Side::Line) => ["strip[1].z", "contact[1].force"],
+                Some(Side::Controller) => ["force", "command"],
                 _ => ["force", "height"],
             };
             let side = inspection.side.unwrap_or(Side::Pantograph);

@@ -11,6 +11,8 @@
 //! velocity    rates of what is offered without one
 //! pantograph  such an FMU as a pantograph
 //! line        such an FMU as a line
+//! controller  such an FMU as the rule of a controlled drive
+//! commanded   a pantograph whose commands come from such a controller
 //! settling    the phase at rest before t = 0
 //! inspect     report on an FMU, with a wiring to paste
 //! ssp         systems in and out
@@ -18,6 +20,8 @@
 
 #![forbid(unsafe_code)]
 
+mod commanded;
+mod controller;
 mod driven;
 mod guess;
 pub mod inspect;
@@ -32,6 +36,8 @@ mod units;
 mod velocity;
 mod wiring;
 
+pub use commanded::Commanded;
+pub use controller::SuppliedController;
 pub use guess::Guess;
 use guess::{guess, side};
 pub use isolated::time_limit;
@@ -81,6 +87,22 @@ pub enum SupplierError {
         /// A multiple, s.
         nearest: f64,
     },
+    /// The time between two samples is no multiple of the step of a controller.
+    #[error(
+        "pantograph[{pantograph}].control.sample_time = {sample_time} s: the controller takes steps of {unit} s only \
+         (stepSize of its default experiment, canHandleVariableCommunicationStepSize = false): must be a multiple of \
+         that, such as {nearest}"
+    )]
+    Sample {
+        /// Number of the pantograph.
+        pantograph: usize,
+        /// Time between two samples, s.
+        sample_time: f64,
+        /// Step of the FMU, s.
+        unit: f64,
+        /// A multiple, s.
+        nearest: f64,
+    },
     /// The strip starts far above the wire.
     #[error(
         "the strip starts at a height of {height:.3} m, where it would press with more than {force} N: the wire, at \
@@ -105,7 +127,7 @@ impl SupplierError {
     pub fn is_input(&self) -> bool {
         match self {
             Self::Fmu(error) => error.is_input(),
-            Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } | Self::Height { .. } => true,
+            Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } | Self::Sample { .. } | Self::Height { .. } => true,
         }
     }
 }

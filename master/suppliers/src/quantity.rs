@@ -1,7 +1,7 @@
 //! Meaning of this program's names in `inputs` and `outputs`: values and units, read from the table of signals.
 
 use component::DeclaredSignal;
-use component::exchange::{contact, load, strip, support};
+use component::exchange::{contact, instrument, load, strip, support};
 
 /// Side of the coupling that an FMU takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -11,6 +11,8 @@ pub enum Side {
     Pantograph,
     /// `[catenary]`.
     Line,
+    /// `[[controller]]`.
+    Controller,
 }
 
 /// Value behind a name of this program in the wiring of an FMU.
@@ -64,7 +66,16 @@ impl Quantity {
                 value: WiredValue::X,
                 unit: strip::SIGNALS[strip::X].unit(),
             },
-            (Side::Pantograph, _) => return None,
+            (Side::Controller, "force") => Self::of(&instrument::SIGNALS, instrument::FORCE, 1.0),
+            (Side::Controller, "desired_force") => Self::of(&instrument::SIGNALS, instrument::DESIRED, 1.0),
+            (Side::Controller, "velocity") => Self::of(&instrument::SIGNALS, instrument::VELOCITY, 1.0),
+            (Side::Controller, "position") => Self::of(&instrument::SIGNALS, instrument::POSITION, 1.0),
+            (Side::Controller, "head_height") => Self::of(&instrument::SIGNALS, instrument::HEAD_HEIGHT, 1.0),
+            (Side::Controller, "head_velocity") => Self::of(&instrument::SIGNALS, instrument::HEAD_VELOCITY, 1.0),
+            (Side::Controller, "head_acceleration") => {
+                Self::of(&instrument::SIGNALS, instrument::HEAD_ACCELERATION, 1.0)
+            }
+            (Side::Pantograph | Side::Controller, _) => return None,
             (Side::Line, name) => {
                 let (i, name) = indexed(name, strip::GROUP)?;
                 let entry = found(&strip::SIGNALS[..strip::MOTION], name)?;
@@ -84,6 +95,11 @@ impl Quantity {
             // A line takes the rate of the roll itself.
             (Side::Pantograph, "roll_rate") => Self::unused(Some("rad/s")),
             (Side::Pantograph, name) => Self::of(motion, found(motion, name)?, 1.0),
+            (Side::Controller, "command") => Self {
+                value: WiredValue::Entry(0, 1.0),
+                unit: Some("N"),
+            },
+            (Side::Controller, _) => return None,
             (Side::Line, name) => {
                 if let Some((k, name)) = indexed(name, support::GROUP) {
                     let entry = found(&support::SIGNALS, name)?;
@@ -177,6 +193,9 @@ mod tests {
             (Side::Line, "contact[2].work", "J"),
             (Side::Line, "support[4].uplift", "m"),
             (Side::Line, "time", "s"),
+            (Side::Controller, "force", "N"),
+            (Side::Controller, "head_acceleration", "m/s2"),
+            (Side::Controller, "command", "N"),
         ] {
             assert_eq!(unit(side, name), Some(expected), "{name}");
         }

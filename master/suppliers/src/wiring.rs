@@ -164,6 +164,17 @@ fn needed(description: &ModelDescription, entry: &Supplied, side: Side, strips: 
                 return Err(missing("height".to_owned(), "outputs"));
             }
         }
+        Side::Controller => {
+            if entry.inputs.keys().all(|name| name == "time") {
+                return Err(missing("force, as measured".to_owned(), "inputs"));
+            }
+            if !entry.outputs.contains_key("command") {
+                return Err(missing(
+                    "command, the force that the drive is to exert".to_owned(),
+                    "outputs",
+                ));
+            }
+        }
         Side::Line => {
             for i in 1..=strips {
                 if !entry.inputs.contains_key(&format!("strip[{i}].z")) {

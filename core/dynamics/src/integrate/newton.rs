@@ -100,6 +100,14 @@ pub enum StepError {
         /// Longest internal step, s.
         micro_step: f64,
     },
+    /// A controller outside of the system gives no command.
+    #[error("no command of the controller at t = {t} s: {reason}")]
+    NoCommand {
+        /// Time of the sample, s.
+        t: f64,
+        /// Message of the controller.
+        reason: String,
+    },
     /// A saved state is of another system, or damaged.
     #[error("the saved state is not of this system: it has {found} {what}, must have {expected}")]
     OtherSystem {

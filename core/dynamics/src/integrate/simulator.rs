@@ -74,6 +74,11 @@ impl<S: System> Simulator<S> {
         (&mut self.system, self.state.motion(&self.u), &self.state.lambda)
     }
 
+    /// The model, its present motion and the whole state.
+    pub fn parts_with_state(&mut self) -> (&mut S, crate::Motion<'_>, &crate::State) {
+        (&mut self.system, self.state.motion(&self.u), &self.state)
+    }
+
     /// Goes to the static equilibrium with the present inputs.
     ///
     /// # Errors

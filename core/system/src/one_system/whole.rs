@@ -118,12 +118,16 @@ impl Whole {
     }
 
     /// Reads the instruments of pantograph `head` (from 0).
-    pub fn read_instruments(&self, motion: &Motion<'_>, lambda: &[f64], head: usize, reading: &mut Reading) {
-        self.pantographs[head].read(motion, reading);
+    pub fn read_instruments(&self, motion: &Motion<'_>, state: &State, head: usize, reading: &mut Reading) {
+        self.pantographs[head].read(motion, &state.v_dot, reading);
         let contacts = self.contacts.chunks_exact(self.line.contact_wires());
         let on_head = contacts.zip(&self.heads).filter(|(_, (of, _))| *of == head);
         let pressed = on_head.filter_map(|(contacts, _)| {
-            ContactTotal::of(contacts.iter().filter_map(|contact| contact.state(motion, lambda)))
+            ContactTotal::of(
+                contacts
+                    .iter()
+                    .filter_map(|contact| contact.state(motion, &state.lambda)),
+            )
         });
         reading.force = pressed.map(|total| -total.on_strip.z).sum();
     }

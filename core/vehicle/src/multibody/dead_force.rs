@@ -61,6 +61,12 @@ impl DriveForce {
         }
     }
 
+    /// Height of its point above the top of rail, m.
+    #[must_use]
+    pub fn height(&self, motion: &Motion<'_>) -> f64 {
+        self.force.marker.frame(motion).position.z
+    }
+
     /// Vertical velocity of its point, m/s.
     #[must_use]
     pub fn velocity(&self, motion: &Motion<'_>) -> f64 {

@@ -379,7 +379,9 @@ impl Pantograph for Linkage {
     }
 
     fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
-        reading.driven = self.drive.as_ref().map_or(0.0, |drive| drive.velocity(motion));
+        let drive = self.drive.as_ref();
+        reading.driven = drive.map_or(0.0, |drive| drive.velocity(motion));
+        reading.driven_place = drive.map_or(0.0, |drive| drive.height(motion));
     }
 
     fn static_force(&self) -> f64 {

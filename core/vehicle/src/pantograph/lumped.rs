@@ -388,7 +388,9 @@ impl Pantograph for Lumped {
         reading.rises.extend_from_slice(&motion.q[masses.clone()]);
         reading.velocities.clear();
         reading.velocities.extend_from_slice(&motion.v[masses]);
-        reading.driven = self.drive.as_ref().map_or(0.0, |drive| motion.v[drive.coordinate]);
+        let drive = self.drive.as_ref();
+        reading.driven = drive.map_or(0.0, |drive| motion.v[drive.coordinate]);
+        reading.driven_place = drive.map_or(0.0, |drive| motion.q[drive.coordinate]);
     }
 
     fn static_force(&self) -> f64 {

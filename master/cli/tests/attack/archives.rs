@@ -100,9 +100,9 @@ fn changed(rng: &mut fastrand::Rng, (archive, description): &(Archive, String), 
     bytes
 }
 
-/// Wires a description as either side.
+/// Wires a description as every side.
 fn used(description: &ModelDescription) {
-    for side in [Side::Pantograph, Side::Line] {
+    for side in [Side::Pantograph, Side::Line, Side::Controller] {
         let _ = Wiring::resolve(description, &mut scene::Supplied::unwired(""), side, 1);
     }
 }

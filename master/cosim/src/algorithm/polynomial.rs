@@ -50,6 +50,18 @@ impl Polynomial {
         self.derivatives[order - 1].copy_from_slice(values);
     }
 
+    /// Writes the same polynomial as seen from `tau` s after the start into `part`, which has as many inputs.
+    pub fn shift_to(&self, tau: f64, part: &mut Self) {
+        part.degree = self.degree;
+        let [first, second, third] = &self.derivatives;
+        for i in 0..self.value.len() {
+            part.value[i] = self.at(i, tau);
+            part.derivatives[0][i] = first[i] + tau * (second[i] + tau * third[i] / 2.0);
+            part.derivatives[1][i] = second[i] + tau * third[i];
+            part.derivatives[2][i] = third[i];
+        }
+    }
+
     /// Value of input `i` at `tau` s after the start.
     #[must_use]
     pub fn at(&self, i: usize, tau: f64) -> f64 {

@@ -11,6 +11,9 @@ use cosim::slave::{Abilities, Slave, SlaveError};
 /// Change of a force that responses are watched under, N.
 const FORCE: f64 = 20.0;
 
+/// Change of a velocity that a controller is watched under, m/s.
+const VELOCITY: f64 = 0.1;
+
 /// Change of a height, m: what presses some 50 N more on a stiff contact.
 const HEIGHT: f64 = 1e-3;
 
@@ -85,12 +88,16 @@ impl<'a> Bench<'a> {
                     (Side::Pantograph, "force") => FORCE,
                     (Side::Pantograph, "force_z") => -FORCE,
                     (Side::Line, "strip[1].z") => HEIGHT,
+                    (Side::Controller, "force") => FORCE,
+                    (Side::Controller, "velocity" | "head_velocity") => VELOCITY,
+                    (Side::Controller, "position" | "head_height") => HEIGHT,
                     _ => 0.0,
                 }
         });
         let names: &[&str] = match wiring.side {
             Side::Pantograph => &["velocity", "height"],
             Side::Line => &["contact[1].force", "contact[1].fz"],
+            Side::Controller => &["command"],
         };
         let watched = names
             .iter()
@@ -179,6 +186,13 @@ impl<'a> Bench<'a> {
             self.slave = None;
         } else {
             found.add(capability, false, "not claimed", "nothing is tried".to_owned());
+        }
+        if self.request.wiring.side == Side::Controller {
+            // Its steps are its samples, under held inputs.
+            stage(found, "watching the response to a change".to_owned());
+            self.response(found)?;
+            found.stage = "done".to_owned();
+            return Ok(());
         }
         let capability = "canHandleVariableCommunicationStepSize";
         if self.claimed.variable_step {
@@ -366,6 +380,12 @@ impl<'a> Bench<'a> {
                 );
                 found.add("response", true, if mass > 0.0 { "pushed down" } else { "lifted" }, how);
                 found.effective_mass = Some(mass);
+            }
+            Side::Controller => {
+                let how = format!(
+                    "{FORCE} N more, or {VELOCITY} m/s, change {name} by {difference:.3e} N within {WATCHED} samples"
+                );
+                found.add("response", true, "commands", how);
             }
             Side::Line => {
                 let sign = if name.ends_with("fz") { -1.0 } else { 1.0 };

@@ -90,6 +90,15 @@ pub fn export(
         let path = path.to_owned();
         return Err(SspError::Shape { path, problem });
     }
+    if !scene.controllers.is_empty() {
+        let problem =
+            "controller: must be left out: a controller is asked at its samples, for which a system structure \
+                       has no word; master package writes the FMU of the pantograph, whose control.force is to be \
+                       connected by hand"
+                .to_owned();
+        let path = path.to_owned();
+        return Err(SspError::Shape { path, problem });
+    }
     let (mut entries, mut notes) = (BTreeMap::new(), Vec::new());
     let mut scene = scene.clone();
     let take = |name: &str, side: Option<&mut Supplied>, entries: &mut BTreeMap<String, Vec<u8>>| {

@@ -1,0 +1,403 @@
+//! Controllers that are FMUs: against the controllers of the program, between the modes, and refused where they do not
+//! fit.
+use component::Component;
+use integration_tests::fmus::tree;
+use integration_tests::installed::Program;
+use integration_tests::python::{self, environment};
+use integration_tests::runs::{EN_250, Run, run, scene_with};
+use integration_tests::vendor::{Controller, Pantograph};
+use scene::Scene;
+use simulation::{Mode, prepare};
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+use vehicle::Subsystem;
+
+/// Three spans of the reference model on a coarse mesh.
+const SHORT: [&str; 5] = [
+    "catenary.spans=4",
+    "catenary.mesh.elements_per_interval=2",
+    "run.duration=1.6",
+    "run.evaluate={time=[0.2,1.5]}",
+    "run.start_x=20",
+];
+
+/// Gains of a PID; those of the FMU stand below.
+const GAINS: &str = "kp=0.7, ki=1, kd=0.002, derivative_lag=0.01";
+
+/// Drive and sensors: a command acts 3 ms after its sample.
+const DRIVE: &str = "actuator={ lag=0.01, delay=0.002, limit=60 }, sensors={ delay=0.001, force_noise=1 }";
+
+/// Overrides for a pantograph whose commands come from an FMU.
+fn commanded(fmu: &Path, sample: f64, more: &str) -> [String; 2] {
+    let fmu = fmu.display().to_string();
+    [
+        format!("pantograph[1].control={{ law=\"given\", sample_time={sample}, {DRIVE} }}"),
+        format!("controller=[{{ fmu={fmu:?}, parameters={{ {GAINS}, limit=60 }}{more} }}]"),
+    ]
+}
+
+/// Overrides for the same controller in the program.
+fn inside(sample: f64) -> [String; 1] {
+    [format!(
+        "pantograph[1].control={{ law=\"pid\", sample_time={sample}, {GAINS}, {DRIVE} }}"
+    )]
+}
+
+fn short(keys: &[String]) -> Scene {
+    let keys: Vec<&str> = SHORT.into_iter().chain(keys.iter().map(String::as_str)).collect();
+    scene_with(EN_250, &keys)
+}
+
+/// Contact force and force of the drive, N.
+fn values(run: &Run) -> Vec<f64> {
+    let own = &run.record.pantographs[0];
+    own.force.iter().chain(own.control.as_ref().unwrap()).copied().collect()
+}
+
+/// Their bits.
+fn bits(run: &Run) -> Vec<u64> {
+    values(run).into_iter().map(f64::to_bits).collect()
+}
+
+#[test]
+fn a_controller_in_c_gives_the_bits_of_the_one_inside_in_every_mode() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new().write(folder.path(), "pid");
+    for mode in [Mode::Monolithic, Mode::Inprocess, Mode::Cosimulation] {
+        let expected = run(short(&inside(0.005)), mode, "controller-inside");
+        let found = run(short(&commanded(&fmu, 0.005, "")), mode, "controller-fmu");
+        let drive = expected.record.pantographs[0].control.as_ref().unwrap();
+        assert!(drive.iter().any(|force| force.abs() > 5.0), "the drive acts");
+        assert!(bits(&found) == bits(&expected), "{mode:?}");
+    }
+}
+
+#[test]
+fn every_coupling_asks_once_per_sample() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new()
+        .saying("canGetAndSetFMUstate=\"true\"", "canGetAndSetFMUstate=\"false\"")
+        .write(folder.path(), "pid");
+    for algorithm in ["jacobi", "gauss_seidel", "iterated", "interface_jacobian"] {
+        let with = |keys: &[String]| {
+            let algorithm = format!("coupling.algorithm=\"{algorithm}\"");
+            let keys: Vec<String> = keys.iter().cloned().chain([algorithm]).collect();
+            run(short(&keys), Mode::Inprocess, "controller-algorithm")
+        };
+        let (expected, found) = (with(&inside(0.005)), with(&commanded(&fmu, 0.005, "")));
+        assert!(bits(&found) == bits(&expected), "{algorithm}");
+    }
+}
+
+#[test]
+fn samples_within_macro_steps_cost_rounding_and_a_step_that_is_divided() {
+    let folder = tempfile::tempdir().unwrap();
+    let (able, unable) = (
+        Controller::new().write(folder.path(), "able"),
+        Controller::new()
+            .saying("canGetAndSetFMUstate=\"true\"", "canGetAndSetFMUstate=\"false\"")
+            .write(folder.path(), "unable"),
+    );
+    let sample = 0.0035;
+    let whole = run(short(&inside(sample)), Mode::Monolithic, "controller-inside");
+    let one = run(short(&commanded(&able, sample, "")), Mode::Monolithic, "controller-fmu");
+    assert!(
+        bits(&one) == bits(&whole),
+        "one system divides its steps in the same way"
+    );
+    let coupled = run(short(&inside(sample)), Mode::Inprocess, "controller-inside");
+    for fmu in [&able, &unable] {
+        let found = run(short(&commanded(fmu, sample, "")), Mode::Inprocess, "controller-fmu");
+        let difference = (found.sigma() / coupled.sigma() - 1.0).abs();
+        // Inputs of a divided step are polynomials about another time; a step that stands is not corrected.
+        assert!(difference < 0.005, "{}: {difference}", fmu.display());
+        let rollbacks = found.summary.cost.rollbacks;
+        assert!(fmu == &able || rollbacks == 0, "what cannot go back is not taken back");
+    }
+    // On communication points nothing is asked twice.
+    let expected = run(short(&inside(0.005)), Mode::Inprocess, "controller-inside");
+    let found = run(short(&commanded(&unable, 0.005, "")), Mode::Inprocess, "controller-fmu");
+    assert!(bits(&found) == bits(&expected));
+}
+
+#[test]
+fn the_wiring_makes_a_skyhook_of_a_proportional_controller() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new().write(folder.path(), "pid").display().to_string();
+    let inside = ["pantograph[1].control={ law=\"skyhook\", sample_time=0.004, damping=256 }".to_owned()];
+    // u = kp (0 − 256 v)
+    let wired = [
+        "pantograph[1].control={ law=\"given\", sample_time=0.004 }".to_owned(),
+        format!(
+            "controller=[{{ fmu={fmu:?}, parameters={{ kp=1, limit=1e9 }}, \
+             inputs={{ velocity={{ variable=\"F\", factor=256 }} }}, outputs={{ command={{ variable=\"u\" }} }} }}]"
+        ),
+    ];
+    for mode in [Mode::Monolithic, Mode::Inprocess] {
+        let [expected, found] = [&inside[..], &wired[..]].map(|keys| run(short(keys), mode, "skyhook"));
+        // But for the sign of a zero.
+        assert!(values(&found) == values(&expected), "{mode:?}");
+    }
+}
+
+/// The scene of a call of the program.
+fn written(keys: &[String]) -> String {
+    short(keys).to_toml()
+}
+
+#[test]
+fn a_controller_in_a_process_of_its_own_gives_the_same_bits() {
+    let program = Program::new();
+    let fmu = Controller::new().write(program.folder(), "pid");
+    let run = |name: &str, more: &str| {
+        let scene = program.scene(name, &written(&commanded(&fmu, 0.005, more)));
+        program.run(&scene, &["--no-report"]).done()
+    };
+    let (here, apart) = (run("here", ""), run("apart", ", isolate=true, step_timeout=30"));
+    assert_eq!(apart.force(), here.force());
+    assert_eq!(
+        apart.series("pantograph[1].control.force"),
+        here.series("pantograph[1].control.force")
+    );
+}
+
+#[test]
+fn a_controller_from_pythonfmu_agrees_with_the_one_inside_to_rounding() {
+    let program = Program::new();
+    let interpreter = environment("suppliers", &tree().join("tests/suppliers/requirements.txt"));
+    python::run(
+        Command::new(&interpreter)
+            .args(["-m", "pythonfmu", "build", "-f"])
+            .arg(tree().join("tests/suppliers/pid.py"))
+            .arg("-d")
+            .arg(program.folder()),
+        "exporting a controller with PythonFMU",
+    );
+    let library = python::library(&interpreter);
+    let more = format!(", isolate=true, environment={{ LD_PRELOAD={library:?} }}");
+    let fmu = program.folder().join("Pid.fmu");
+    let run = |name: &str, keys: &[String], mode: &str| {
+        let scene = program.scene(name, &written(keys));
+        program.run(&scene, &["--no-report", "--mode", mode]).done().force()
+    };
+    for mode in ["monolithic", "cosimulation"] {
+        let expected = run("inside", &inside(0.005), mode);
+        let found = run("python", &commanded(&fmu, 0.005, &more), mode);
+        let differences = expected.iter().zip(&found).map(|(a, b)| (a - b).abs());
+        let largest = differences.fold(0.0, f64::max);
+        // Rounding in a loop that keeps it small.
+        assert!(largest < 1e-6, "{mode}: {largest} N");
+    }
+}
+
+#[test]
+fn check_names_the_controller_and_its_wiring() {
+    let program = Program::new();
+    let fmu = Controller::new().write(program.folder(), "pid");
+    let scene = program.scene("checked", &written(&commanded(&fmu, 0.005, "")));
+    let told = program.call(&["check", scene.to_str().unwrap()]).done().stdout;
+    for said in [
+        "controller 1 of pantograph 1: ",
+        "F [N] = force [N]",
+        "F_desired [N] = desired_force [N]",
+        "command [N] = u [N]",
+        "pantograph 1: commands from FMU",
+    ] {
+        assert!(told.contains(said), "nothing about {said:?}:\n{told}");
+    }
+    let _ = (program.call(&["export", scene.to_str().unwrap()])).refused(2, &["controller: must be left out"]);
+    let told = program.call(&["inspect", fmu.to_str().unwrap()]).done().stdout;
+    assert!(
+        told.contains("wiring as a controller") && told.contains("[[controller]]"),
+        "{told}"
+    );
+}
+
+/// Refusal of a scene before its run, with all causes.
+fn refusal(keys: &[String]) -> String {
+    let keys: Vec<String> = SHORT
+        .iter()
+        .map(ToString::to_string)
+        .chain(keys.iter().cloned())
+        .collect();
+    let scene = match system::load(EN_250, "scene.toml", &keys) {
+        Ok(scene) => scene,
+        Err(error) => return error.to_string(),
+    };
+    let Err(error) = prepare(scene, "refused", Path::new("."), false) else {
+        panic!("{keys:?} is not refused");
+    };
+    assert!(error.is_input(), "{error}");
+    let mut text = error.to_string();
+    let mut cause = std::error::Error::source(&error);
+    while let Some(error) = cause {
+        write!(text, ": {error}").unwrap();
+        cause = error.source();
+    }
+    text
+}
+
+#[test]
+fn what_is_no_controller_is_refused_with_key_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let pid = Controller::new().write(folder.path(), "pid");
+    let pantograph = Pantograph::new().write(folder.path(), "two_mass");
+    let fixed = Controller::new()
+        .saying(
+            "canHandleVariableCommunicationStepSize=\"true\"",
+            "canHandleVariableCommunicationStepSize=\"false\"",
+        )
+        .saying("stepSize=\"0.005\"", "stepSize=\"0.002\"")
+        .write(folder.path(), "fixed");
+    let given = |sample: f64| format!("pantograph[1].control={{ law=\"given\", sample_time={sample} }}");
+    let fmu = |fmu: &Path, more: &str| {
+        let fmu = fmu.display().to_string();
+        format!("controller=[{{ fmu={fmu:?}{more} }}]")
+    };
+    for (keys, said) in [
+        (
+            vec![given(0.005), fmu(&pantograph, "")],
+            vec!["controller[1].outputs", "command", "master inspect"],
+        ),
+        (
+            vec![
+                given(0.005),
+                fmu(&pantograph, ", outputs={ command={ variable=\"z1\" } }"),
+            ],
+            vec!["controller[1].outputs.command", "z1 [m]", "[N]", "different quantities"],
+        ),
+        (
+            vec![given(0.005), fmu(&pid, ", outputs={ command={ variable=\"uu\" } }")],
+            vec![
+                "controller[1].outputs.command.variable",
+                "\"uu\"",
+                "did you mean \"u\"?",
+            ],
+        ),
+        (
+            vec![
+                given(0.005),
+                fmu(&pid, ", inputs={ force={ variable=\"F_measured\" } }"),
+            ],
+            vec!["controller[1].inputs.force.variable", "\"F_measured\""],
+        ),
+        (
+            vec![
+                given(0.005),
+                fmu(&pid, ", inputs={ time={ variable=\"F\", factor=2 } }"),
+            ],
+            vec!["controller[1].inputs", "force, as measured"],
+        ),
+        (
+            vec![given(0.005), fmu(&pid, ", parameters={ kq=1 }")],
+            vec!["controller[1].parameters", "\"kq\""],
+        ),
+        (
+            vec![given(0.005), fmu(&pid, ", inputs={ height={ variable=\"F\" } }")],
+            vec!["controller[1].inputs", "height"],
+        ),
+        (
+            vec![given(0.005), fmu(&fixed, "")],
+            vec!["pantograph[1].control.sample_time = 0.005 s", "multiple", "0.006"],
+        ),
+        (
+            vec![fmu(&pid, "")],
+            vec!["controller[1].pantograph", "law = \"given\"", "has no control"],
+        ),
+        (
+            vec![
+                "pantograph[1].control={ law=\"pid\", sample_time=0.005, kp=1 }".to_owned(),
+                fmu(&pid, ""),
+            ],
+            vec!["controller[1].pantograph", "law = \"given\"", "has law = \"pid\""],
+        ),
+        (
+            vec![given(0.005), fmu(&pid, ", pantograph=2")],
+            vec!["controller[1].pantograph", "2", "at most 1, the number of pantographs"],
+        ),
+        (
+            vec![
+                given(0.005),
+                "controller=[{ fmu=\"a.fmu\" }, { fmu=\"b.fmu\" }]".to_owned(),
+            ],
+            vec!["controller[2].pantograph", "controller[1] commands this one"],
+        ),
+        (
+            vec![
+                "pantograph[1].control={ law=\"given\", sample_time=0.005, actuator={ delay=0.006 } }".to_owned(),
+                fmu(&pid, ""),
+            ],
+            vec!["pantograph[1].control.actuator.delay", "sample_time = 0.005 s"],
+        ),
+        (
+            vec![given(0.005), fmu(&pid, ", memory_limit=1e9")],
+            vec!["controller[1].memory_limit", "isolate = true"],
+        ),
+        (
+            vec![given(0.005), fmu(Path::new("nowhere.fmu"), "")],
+            vec!["controller[1].fmu", "nowhere.fmu"],
+        ),
+    ] {
+        let text = refusal(&keys);
+        for said in said {
+            assert!(text.contains(said), "nothing about {said:?}: {text}");
+        }
+    }
+}
+
+#[test]
+fn a_controller_is_refused_where_commands_come_from_the_program_that_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new().write(folder.path(), "pid");
+    let prepared = prepare(short(&commanded(&fmu, 0.005, "")), "stepped", Path::new("."), false).unwrap();
+    let Err(error) = prepared.stepped() else {
+        panic!("is not refused");
+    };
+    assert!(error.to_string().contains("controller: must be left out"), "{error}");
+}
+
+#[test]
+fn instruments_show_the_motion_of_the_head() {
+    let keys = [
+        "pantograph[1].reference_height=5.3",
+        "pantograph[1].control={ law=\"given\", sample_time=0.001 }",
+    ];
+    let scene = scene_with(EN_250, &keys);
+    let mut side = Subsystem::build(&scene).unwrap();
+    let signals = Subsystem::signals(&scene);
+    let place = |name: &str| signals.iter().position(|signal| signal.name == name).unwrap();
+    let load = place("contact[1].fz");
+    let start = side.input(load);
+    let h = 1e-4;
+    let mut seen = Vec::new();
+    for n in 0..200 {
+        let t = h * f64::from(n);
+        side.set_input(load, start - 20.0 * (40.0 * t).sin());
+        side.do_step(t, h).unwrap();
+        seen.push(
+            [
+                "control.measured.force",
+                "control.measured.head_height",
+                "control.measured.head_velocity",
+                "control.measured.head_acceleration",
+                "strip[1].z",
+            ]
+            .map(|name| side.output(place(name))),
+        );
+        assert_eq!(seen[n as usize][0], -side.input(load));
+    }
+    for three in seen.windows(3) {
+        let [before, now, after] = three else { unreachable!() };
+        assert_eq!(now[1], now[4]);
+        for (value, rate, scale) in [(1, 2, 0.01), (2, 3, 1.0)] {
+            // Central differences, of order 2 in the step.
+            let expected = (after[value] - before[value]) / (2.0 * h);
+            assert!(
+                (now[rate] - expected).abs() < 0.05 * scale,
+                "{value}: {} {expected}",
+                now[rate]
+            );
+        }
+    }
+}
