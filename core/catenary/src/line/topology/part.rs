@@ -1,5 +1,7 @@
 //! Sections of a topology cut out at its supports.
-use super::{BendingLayers, DropperPlace, EndsOfWire, Fastening, NodeOfWire, PlannedWire, SupportPlace, Topology, WireName};
+use super::{
+    BendingLayers, DropperPlace, EndsOfWire, Fastening, NodeOfWire, PlannedWire, SupportPlace, Topology, WireName,
+};
 use std::ops::Range;
 
 /// Some spans of a line as a line of their own.
@@ -21,7 +23,11 @@ impl Topology {
     fn support_x(&self, section: usize, mast: usize) -> f64 {
         let (first, first_mast) = self.first_supports[section];
         let own = mast.checked_sub(first_mast);
-        let place = own.map(|support| self.supports.get(first + support).filter(|place| place.section == section));
+        let place = own.map(|support| {
+            self.supports
+                .get(first + support)
+                .filter(|place| place.section == section)
+        });
         match place {
             None => f64::NEG_INFINITY,
             Some(None) => f64::INFINITY,
@@ -36,8 +42,14 @@ impl Topology {
 
     /// Number of tension lengths in a span (from 0).
     pub(crate) fn tension_lengths_in(&self, span: usize) -> usize {
-        let at = |mast: usize| self.supports_at[mast].iter().map(|&support| self.supports[support].section);
-        at(span).filter(|section| at(span + 1).any(|other| other == *section)).count()
+        let at = |mast: usize| {
+            self.supports_at[mast]
+                .iter()
+                .map(|&support| self.supports[support].section)
+        };
+        at(span)
+            .filter(|section| at(span + 1).any(|other| other == *section))
+            .count()
     }
 
     /// True where wires end at a mast between the first and the last one.
@@ -51,7 +63,9 @@ impl Topology {
     /// one belong to their last span and are not cut.
     pub(crate) fn nodes_at(&self, mast: usize) -> impl Iterator<Item = NodeOfWire> + '_ {
         let places = self.supports_at[mast].iter().map(|&support| &self.supports[support]);
-        places.filter(|place| !place.is_inner_end).flat_map(|place| self.nodes_at_support(place))
+        places
+            .filter(|place| !place.is_inner_end)
+            .flat_map(|place| self.nodes_at_support(place))
     }
 
     fn nodes_at_support<'a>(&'a self, place: &'a SupportPlace) -> impl Iterator<Item = NodeOfWire> + 'a {
@@ -118,7 +132,10 @@ impl Topology {
 
     fn inner_ends_of(&self, section: usize) -> impl Iterator<Item = NodeOfWire> + '_ {
         let (first, _) = self.first_supports[section];
-        let next = self.first_supports.get(section + 1).map_or(self.supports.len(), |next| next.0);
+        let next = self
+            .first_supports
+            .get(section + 1)
+            .map_or(self.supports.len(), |next| next.0);
         let places = [&self.supports[first], &self.supports[next - 1]];
         let places = places.into_iter().filter(|place| place.is_inner_end);
         places.flat_map(|place| place.contact_wires.iter().copied().chain(place.messenger_wire))
@@ -182,7 +199,10 @@ impl Topology {
         let cut: Vec<NodeOfWire> = ends.into_iter().flat_map(|mast| self.nodes_at(mast)).collect();
         let masses = self.masses.iter().filter(|(at, _)| !cut.contains(at));
         let masses = masses.filter_map(|&(at, mass)| Some((here(at)?, mass)));
-        let droppers = self.droppers.iter().filter(|place| spans.contains(&self.span_of(place)));
+        let droppers = self
+            .droppers
+            .iter()
+            .filter(|place| spans.contains(&self.span_of(place)));
         let droppers = droppers.filter_map(|place| {
             Some(DropperPlace {
                 span: self.span_of(place) + 1 - spans.start,

@@ -139,7 +139,11 @@ impl Cell {
         let (modes, squares) = lowest_modes((&k_ff, &factor), &m_ff, searched.max(count));
         let along = inner.iter().map(|&index| f64::from(u8::from(span.longitudinal[index])));
         let along = DVector::from_iterator(count_f, along);
-        let order = longitudinal_first(&(modes.component_mul(&product(&m_ff, &modes)).tr_mul(&along)), longitudinal, count);
+        let order = longitudinal_first(
+            &(modes.component_mul(&product(&m_ff, &modes)).tr_mul(&along)),
+            longitudinal,
+            count,
+        );
         let (modes, squares) = (
             modes.select_columns(&order),
             order.iter().map(|&mode| squares[mode]).collect::<Vec<_>>(),

@@ -489,7 +489,9 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let of_span = |span: usize| source.places(&(span..span + 1), 0).inner[0].len() - elongations[span];
     let several = catenary.tension_lengths.len() > 1;
     let beside = if several {
-        (0..repeat.spans).map(|span| source.topology.tension_lengths_in(span)).collect()
+        (0..repeat.spans)
+            .map(|span| source.topology.tension_lengths_in(span))
+            .collect()
     } else {
         Vec::new()
     };

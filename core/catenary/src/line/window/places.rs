@@ -1,6 +1,6 @@
 //! Coordinates of the spans of a section of the line.
-use crate::{NodeOfWire, Topology};
 use crate::line::WireCoordinates;
+use crate::{NodeOfWire, Topology};
 use std::ops::Range;
 
 /// Positions of the coordinates of some spans.
