@@ -1,10 +1,11 @@
 //! Accuracy of a window over lines of wires and spans that differ.
 use catenary::{Checkpoint, StripStart, Subsystem};
-use integration_tests::runs::{EN_300, run, scene_with};
+use integration_tests::runs::{EN_300, rms, run, scene_with};
 use simulation::Mode;
 use std::ops::Range;
 
 const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const OVERLAP: &str = include_str!("../scenes/overlap.toml");
 const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
 
 /// Spans of different lengths with their own droppers, divided differently.
@@ -197,4 +198,117 @@ fn a_window_over_a_stitched_line_has_as_many_coordinates_whatever_the_number_of_
         catenary::WindowedLine::size(&scene, &statics).coordinates
     };
     assert_eq!(coordinates(72), coordinates(90));
+}
+
+const COARSE: &str = "catenary.mesh={ element_length=5.0, corrections=\"none\" }";
+
+/// The overlap lies between 240 m and 420 m; the window reaches it before the strip and leaves it after it.
+const THROUGH_THE_OVERLAP: [&str; 4] = [
+    COARSE,
+    "run.start_x=150",
+    "run.duration=5.4",
+    "run.evaluate={time=[0.2,5.3]}",
+];
+
+#[test]
+fn a_window_passes_an_overlap_of_two_tension_lengths() {
+    // In the plane the share that the expected error of a run has for such a window.
+    for (words, most) in [("\"linearised\"", 0.3), ("\"planar\", \"linearised\"", 1.5)] {
+        let difference = windowed(OVERLAP, words, &THROUGH_THE_OVERLAP);
+        assert!(difference < most, "{words}: {difference} %");
+    }
+}
+
+#[test]
+fn a_window_in_an_overlap_is_the_same_co_simulated_and_as_one_system() {
+    let reduce = "model.reduce=[\"linearised\", \"window\"]";
+    let journey = ["run.start_x=270", "run.duration=2", "run.evaluate={time=[0.2,1.9]}"];
+    let scene = scene_with(OVERLAP, &[&journey[..], &[COARSE, reduce]].concat());
+    let whole = run(scene.clone(), Mode::Monolithic, "windowed-overlap-whole");
+    let coupled = run(scene, Mode::Inprocess, "windowed-overlap-coupled");
+    let percent = 100.0 * rms(whole.raw(), coupled.raw()) / whole.sigma();
+    println!("{percent:.4} % of the standard deviation");
+    assert!(percent < 0.2, "{percent} %");
+}
+
+/// The strip starts in the middle span of the overlap under both contact wires and comes to the next span at 0.45 s;
+/// there the first tension length ends two masts ahead.
+#[test]
+fn a_window_taken_back_in_an_overlap_repeats_itself() {
+    let subsystem = |words: &str| {
+        let reduce = format!("model.reduce=[\"linearised\"{words}]");
+        let journey = ["run.start_x=335", HALF_A_SECOND[0], HALF_A_SECOND[1]];
+        let scene = scene_with(OVERLAP, &[&journey[..], &[COARSE, &reduce]].concat());
+        let statics = catenary::static_line(&scene).unwrap();
+        let mut line = Subsystem::new(&scene, &statics).unwrap();
+        let strip = StripStart {
+            x: scene.strip_start_x(0),
+            y: 0.0,
+            height: statics.wire_height_under(scene.strip_start_x(0), 150.0).unwrap().height + 3e-3,
+            speed: scene.run.speed,
+        };
+        line.start(&[strip]).unwrap();
+        (line, strip)
+    };
+    let forces = |line: &mut Subsystem, strip: &StripStart, steps: Range<usize>| -> Vec<f64> {
+        let step = |n: usize| {
+            let t = n as f64 * 1e-3;
+            line.set_strip_input(0, 2, strip.height);
+            line.set_strip_input(0, 0, strip.x + strip.speed * t);
+            line.advance_to(t, 1e-3).unwrap();
+            line.contact(0).force
+        };
+        steps.map(step).collect()
+    };
+    let (mut whole, strip) = subsystem("");
+    let (mut window, _) = subsystem(", \"window\"");
+    let expected = forces(&mut whole, &strip, 0..600);
+    let mut found = forces(&mut window, &strip, 0..430);
+    let mut before = Checkpoint::default();
+    window.save_to(&mut before);
+    let first = forces(&mut window, &strip, 430..600);
+    window.restore_from(&before).unwrap();
+    assert_eq!(forces(&mut window, &strip, 430..600), first);
+    found.extend(first);
+    let off = expected.iter().zip(&found);
+    let off = off.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    println!("{off} N");
+    assert!(off < 1.0, "{off} N");
+}
+
+/// Tension lengths of seven spans, each with an overlap over three spans at either end.
+#[test]
+fn a_window_has_as_many_coordinates_whatever_the_number_of_tension_lengths() {
+    let (before, rest) = OVERLAP.split_once("[[catenary.tension_length]]").unwrap();
+    let after = &rest[rest.find("[catenary.contact_wire]").unwrap()..];
+    let after = &after[..after.find("[ranges]").unwrap()];
+    let coordinates = |lengths: usize| {
+        let tension_length = |number: usize| {
+            let low = |at: bool| if at { "5.3, 5.3" } else { "5.8, 5.34" };
+            let high = |at: bool| if at { "5.3, 5.3" } else { "5.34, 5.8" };
+            format!(
+                "[[catenary.tension_length]]\nstart_x = {}\nspans = 7\nspan_length = 60.0\nencumbrance = 1.2\n\
+                 presag = 0.0\ncontact_wire_height = [{}, 5.3, 5.3, 5.3, 5.3, {}]\n\
+                 stagger = [0.5, 0.3, 0.1, -0.1, 0.1, -0.1, -0.25, -0.4]\n",
+                240 * number,
+                low(number == 0),
+                high(number + 1 == lengths)
+            )
+        };
+        let all: String = (0..lengths).map(tension_length).collect();
+        let start = format!("run.start_x={}", 240 * (lengths / 2) + 200);
+        let scene = scene_with(
+            &format!("{before}{all}{after}"),
+            &[
+                &start,
+                "run.duration=0.4",
+                "run.evaluate={time=[0.1,0.3]}",
+                "catenary.mesh={ element_length=9.0, corrections=\"none\" }",
+                "model.reduce=[\"linearised\", \"window\"]",
+            ],
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        catenary::WindowedLine::size(&scene, &statics)
+    };
+    assert_eq!(coordinates(18), coordinates(22));
 }

@@ -44,7 +44,7 @@ const FIXED_ENDS: f64 = 2.2;
 const STITCHED: f64 = 2.2;
 /// Factor of that error under a pantograph of rigid bodies, –.
 const LINKAGE: f64 = 1.7;
-/// Error of a window in a linear line of two wires on straight track, %.
+/// Error of a window in a linear line of two wires on straight track, in one tension length, %.
 const WINDOW: f64 = 0.2;
 /// The same in any other linear line, %.
 const WINDOW_IN_OTHERS: f64 = 1.5;
@@ -138,7 +138,8 @@ fn modal(scene: &Scene) -> f64 {
 
 /// Error of a window, %: the spans beyond it are linear, and what a nonlinear one passes on to them adds up.
 fn window(scene: &Scene, catenary: &Catenary) -> f64 {
-    let is_plain = catenary.stitch_wires.is_none()
+    let is_plain = catenary.tension_lengths.len() == 1
+        && catenary.stitch_wires.is_none()
         && catenary.contact_wire_spacing.is_none()
         && catenary.messenger_wire.is_some()
         && !catenary.tension_lengths.iter().any(TensionLength::is_curved);

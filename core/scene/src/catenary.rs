@@ -284,6 +284,31 @@ impl Catenary {
         all
     }
 
+    /// True where every tension length has a support at each mast that it passes, and runs beside the others for a span
+    /// at least where it begins and ends.
+    #[must_use]
+    pub(crate) fn has_common_masts(&self) -> bool {
+        if self.tension_lengths.len() == 1 {
+            return true;
+        }
+        let masts = self.supports_x();
+        let mut beside = vec![0; masts.len() - 1];
+        let mut common = true;
+        for length in &self.tension_lengths {
+            let inside = |x: &&f64| (length.start_x - SAME_MAST..=length.end_x() + SAME_MAST).contains(*x);
+            common &= masts.iter().filter(inside).count() == length.spans() + 1;
+            let first = masts.partition_point(|x| *x < length.start_x - SAME_MAST);
+            let last = (first + length.spans()).min(beside.len());
+            beside[first..last].iter_mut().for_each(|count| *count += 1);
+        }
+        let passed = |mast: usize| {
+            let at = masts[mast];
+            let mut passing = self.tension_lengths.iter();
+            passing.any(|length| length.start_x + SAME_MAST < at && at < length.end_x() - SAME_MAST)
+        };
+        common && (1..masts.len() - 1).all(passed) && !beside.contains(&0)
+    }
+
     /// True where all spans and supports are alike but for the stagger.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
@@ -371,9 +396,21 @@ impl Catenary {
         [contact].into_iter().chain(messenger).chain(stitch)
     }
 
-    /// Spans from `start` up to and without `end` (from 0) as a line of their own, the first support at x = 0.
+    /// Spans from `start` up to and without `end` (from 0) as a line of their own, the first support at x = 0. Several
+    /// tension lengths stay whole and move by as much.
     #[must_use]
     pub fn part(&self, start: usize, end: usize) -> Self {
+        if self.tension_lengths.len() > 1 {
+            let x = self.support_x(start);
+            let moved = self.tension_lengths.iter().map(|length| TensionLength {
+                start_x: length.start_x - x,
+                ..length.clone()
+            });
+            return Self {
+                tension_lengths: moved.collect(),
+                ..self.clone()
+            };
+        }
         Self {
             tension_lengths: vec![self.tension_lengths[0].part(start, end)],
             droppers: self.droppers.beginning_with(start),

@@ -144,8 +144,11 @@ impl Catenary {
 
     /// Reason for which a window cannot follow the strips along the line.
     pub(crate) fn without_window(&self) -> Option<&'static str> {
-        if self.tension_lengths.len() > 1 {
-            return Some("it is made for one tension length");
+        if !self.has_common_masts() {
+            return Some(
+                "it is cut at masts, and one of the tension lengths has no support at a mast that it passes, or two of \
+                 them follow each other without an overlap",
+            );
         }
         (self.surface.is_some())
             .then_some("it is made for wires of even running surface, and the line has catenary.surface")

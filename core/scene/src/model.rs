@@ -225,7 +225,7 @@ impl Scene {
             .is_some_and(|(_, contact)| contact.law == crate::ContactLaw::SlidingJoint)
     }
 
-    /// A window is cut out of one tension length.
+    /// A window is cut out of the line at its masts.
     pub(crate) fn check_window(&self, found: &mut Found) {
         if self.model.has(Reduction::Window)
             && let Some((catenary, _)) = self.modelled_line()

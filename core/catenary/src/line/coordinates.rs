@@ -25,14 +25,20 @@ pub(crate) struct WireCoordinates {
 
 impl Topology {
     /// Adds the coordinates of all wires, node after node along the track, so that neighbours are close in the
-    /// numbering; the ends of a clamped wire have the positions of the nodes that they are clamped to.
+    /// numbering; the ends of a clamped wire have the positions of the nodes that they are clamped to. Of tension
+    /// lengths with nodes at one place come first those that end there, and last those that begin.
     pub(crate) fn register(&self, layout: &mut Layout) -> Vec<WireCoordinates> {
         let mut wires = vec![WireCoordinates::default(); self.wires().len()];
         let nodes = self.wires().iter().enumerate();
         let nodes =
             nodes.flat_map(|(wire, planned)| planned.x.iter().enumerate().map(move |(node, x)| (*x, wire, node)));
         let mut nodes: Vec<(f64, usize, usize)> = nodes.collect();
-        nodes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let reach = self.reach_of_sections();
+        let ends = |&(x, wire, _): &(f64, usize, usize)| {
+            let (first, last) = reach[self.wires()[wire].section];
+            u8::from(x < last) + u8::from(x <= first)
+        };
+        nodes.sort_by(|a, b| a.0.total_cmp(&b.0).then(ends(a).cmp(&ends(b))).then(a.1.cmp(&b.1)));
         let mut within = vec![(0, 0); wires.len()];
         for (_, number, node) in nodes {
             let planned = &self.wires()[number];
@@ -59,6 +65,20 @@ impl Topology {
             }
         }
         wires
+    }
+
+    /// First and last x of each tension length, m.
+    fn reach_of_sections(&self) -> Vec<(f64, f64)> {
+        let mut reach: Vec<(f64, f64)> = Vec::new();
+        for planned in self.wires() {
+            if reach.len() <= planned.section {
+                reach.resize(planned.section + 1, (f64::INFINITY, f64::NEG_INFINITY));
+            }
+            let (first, last) = &mut reach[planned.section];
+            *first = first.min(planned.x[0]);
+            *last = last.max(planned.x[planned.last()]);
+        }
+        reach
     }
 
     /// Coordinates of a node; with `clamp` its position is that of another node.

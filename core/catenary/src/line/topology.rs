@@ -121,6 +121,8 @@ pub struct SupportPlace {
     pub messenger_wire: Option<NodeOfWire>,
     /// True where the wires end.
     pub is_end: bool,
+    /// True where the wires end between the first and the last mast of the line.
+    pub(crate) is_inner_end: bool,
 }
 
 /// The wires of a line with their nodes, at supports, droppers, clamps and equal divisions between them, and the parts
@@ -131,6 +133,10 @@ pub struct Topology {
     supports: Vec<SupportPlace>,
     /// Nodes of the contact wires at each mast, from the first to the last.
     masts: Vec<Vec<NodeOfWire>>,
+    /// Supports at each mast, as `masts`.
+    supports_at: Vec<Vec<usize>>,
+    /// First support and its mast of each tension length.
+    first_supports: Vec<(usize, usize)>,
     droppers: Vec<DropperPlace>,
     /// Nodes with masses of clamps, insulators and splices, kg.
     masses: Vec<(NodeOfWire, f64)>,
@@ -275,6 +281,8 @@ impl Topology {
             wires: Vec::new(),
             supports: Vec::new(),
             masts: Vec::new(),
+            supports_at: Vec::new(),
+            first_supports: Vec::new(),
             droppers: Vec::new(),
             masses: Vec::new(),
             options,
@@ -284,10 +292,21 @@ impl Topology {
         }
         let masts = catenary.supports_x();
         topology.masts = vec![Vec::new(); masts.len()];
-        for support in &topology.supports {
+        topology.supports_at = vec![Vec::new(); masts.len()];
+        for (number, support) in topology.supports.iter().enumerate() {
             let right = masts.partition_point(|&x| x < support.x).min(masts.len() - 1);
             let nearer = right > 0 && support.x - masts[right - 1] < masts[right] - support.x;
-            topology.masts[right - usize::from(nearer)].extend(&support.contact_wires);
+            let mast = right - usize::from(nearer);
+            topology.masts[mast].extend(&support.contact_wires);
+            topology.supports_at[mast].push(number);
+            if support.section == topology.first_supports.len() {
+                topology.first_supports.push((number, mast));
+            }
+        }
+        let last = masts.len() - 1;
+        for number in topology.supports_at[1..last].iter().flatten() {
+            let support = &mut topology.supports[*number];
+            support.is_inner_end = support.is_end;
         }
         topology
     }
@@ -346,6 +365,7 @@ impl Topology {
                 contact_wires: contact_wires.iter().map(|&wire| self.node_at(wire, x)).collect(),
                 messenger_wire: messenger_wire.map(|wire| self.node_at(wire, x)),
                 is_end: support == 0 || support == section.spans(),
+                is_inner_end: false,
             });
         }
         for (on, wires) in [

@@ -21,6 +21,8 @@ pub(super) struct SpanMatrices {
     pub elongations: Elongations,
     /// Bending layers at the supports, which follow the rest of the span.
     pub layers: EndLayers,
+    /// Coordinates that are held, of wires that end in the span.
+    pub held: Vec<usize>,
     /// For each coordinate, true if it is along the track.
     pub longitudinal: Vec<bool>,
 }
@@ -92,9 +94,9 @@ impl<const COUNT: usize> Grouped<COUNT> {
 }
 
 impl Cell {
-    /// Reduces a span to `count` modes: the first longitudinal ones among the lowest `searched`, and the lowest others.
-    /// `None` where its inner stiffness is not positive definite.
-    pub fn new(span: SpanMatrices, count: usize, searched: usize) -> Option<Self> {
+    /// Reduces a span to `count` modes: the first `longitudinal` ones along the track among the lowest `searched`, and
+    /// the lowest others. `None` where its inner stiffness is not positive definite.
+    pub fn new(span: SpanMatrices, count: usize, (searched, longitudinal): (usize, usize)) -> Option<Self> {
         let size = span.stiffness.size();
         let supports = span.places.supports.concat();
         let interface: Vec<usize> = supports.into_iter().chain(span.elongations.places()).collect();
@@ -103,17 +105,19 @@ impl Cell {
             place[index] = Some(row);
         }
         let between = span.places.inner[0].clone();
-        let inner: Vec<usize> = between.filter(|&index| place[index].is_none()).collect();
+        let free = |index: &usize| place[*index].is_none() && !span.held.contains(index);
+        let inner: Vec<usize> = between.filter(free).collect();
         let mut number = vec![0; size];
         inner.iter().enumerate().for_each(|(i, &index)| number[index] = i);
         let place = |index: usize| place[index].map_or((true, number[index]), |row| (false, row));
+        let held = |index: usize| span.held.contains(&index);
         let (count_f, count_s) = (inner.len(), interface.len().next_multiple_of(GROUP));
         let split = |matrix: &SparseMatrix| -> (SparseMatrix, DMatrix<f64>, DMatrix<f64>) {
             let matrix = span.elongations.transform(matrix);
             let mut ff = Vec::new();
             let (mut fs, mut ss) = (DMatrix::zeros(count_f, count_s), DMatrix::zeros(count_s, count_s));
-            for row in 0..size {
-                for (column, value) in matrix.row(row) {
+            for row in (0..size).filter(|&row| !held(row)) {
+                for (column, value) in matrix.row(row).filter(|&(column, _)| !held(column)) {
                     match (place(row), place(column)) {
                         ((true, i), (true, j)) => ff.push((i as u32, j as u32, value)),
                         ((true, i), (false, j)) => fs[(i, j)] += value,
@@ -135,7 +139,11 @@ impl Cell {
         let (modes, squares) = lowest_modes((&k_ff, &factor), &m_ff, searched.max(count));
         let along = inner.iter().map(|&index| f64::from(u8::from(span.longitudinal[index])));
         let along = DVector::from_iterator(count_f, along);
-        let order = longitudinal_first(&(modes.component_mul(&product(&m_ff, &modes)).tr_mul(&along)), count);
+        let order = longitudinal_first(
+            &(modes.component_mul(&product(&m_ff, &modes)).tr_mul(&along)),
+            longitudinal,
+            count,
+        );
         let (modes, squares) = (
             modes.select_columns(&order),
             order.iter().map(|&mode| squares[mode]).collect::<Vec<_>>(),
@@ -221,7 +229,7 @@ impl Cell {
     }
 }
 
-/// Longitudinal modes of a span that come before all others: the first two of each wire.
+/// Longitudinal modes of a span of one tension length that come before all others: the first two of each wire.
 pub(super) const LONGITUDINAL: usize = 4;
 
 /// Numbers of the `count` modes that are kept, in their order: of all modes by ascending frequency the `shares` of
@@ -230,10 +238,10 @@ pub(super) const LONGITUDINAL: usize = 4;
 /// Tension changes run along the line at kilometres per second, as waves longer than the spans far beyond the
 /// frequencies of the contact force. With the quasi-static shape alone the mass of a span would stand at its supports,
 /// and these waves would be too fast.
-fn longitudinal_first(shares: &DVector<f64>, count: usize) -> Vec<usize> {
+fn longitudinal_first(shares: &DVector<f64>, longitudinal: usize, count: usize) -> Vec<usize> {
     let along: Vec<usize> = (0..shares.len())
         .filter(|&mode| shares[mode] > 0.5)
-        .take(LONGITUDINAL)
+        .take(longitudinal)
         .collect();
     let others = (0..shares.len()).filter(|mode| !along.contains(mode));
     along.iter().copied().chain(others).take(count).collect()

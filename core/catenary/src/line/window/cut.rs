@@ -1,12 +1,15 @@
 //! Sections of a line cut out of its static state.
 use super::places::SpanPlaces;
 use crate::line::{Equilibrium, Part, WireCoordinates, layers};
-use crate::{BendingLayers, Enrichment, Line, ResidualCompliance, Topology, WireGeometry, WireNode};
+use crate::{BendingLayers, Enrichment, Line, NodeOfWire, ResidualCompliance, Topology, WireGeometry, WireNode};
 use dynamics::Layout;
 use nalgebra::Vector3;
 use scene::{Catenary, WireEnds};
 use std::ops::Range;
 use std::sync::Arc;
+
+/// Distance of a support from a mast that is not its own, at least, m: far above rounding, far below a span.
+const APART: f64 = 1e-3;
 
 /// A line with known static state, to be cut at its supports.
 pub(crate) struct Source<'a> {
@@ -69,14 +72,15 @@ impl Source<'_> {
     ) -> (Line, SpanPlaces) {
         let (line, places) = self.cut(spans, first);
         if let Some(speed) = self.topology.options().contact_compliance {
-            known.resize(line.contact_wires(), None);
-            for (number, known) in known.iter_mut().enumerate() {
+            let before = std::mem::take(known);
+            for number in 0..line.contact_wires() {
                 let wire = line.contact_wire(number);
-                let found = match known {
-                    Some(known) => Some(known.along(wire.geometry())),
-                    None => ResidualCompliance::new(wire.geometry(), wire.section(), speed),
+                // All contact wires are alike: where a tension length begins, another one's patches serve.
+                let found = match before.get(number).or(before.first()) {
+                    Some(Some(known)) => Some(known.along(wire.geometry())),
+                    _ => ResidualCompliance::new(wire.geometry(), wire.section(), speed),
                 };
-                *known = found.map(Arc::new);
+                known.push(found.map(Arc::new));
             }
         }
         (line.with_contact_compliance(known.clone()), places)
@@ -88,12 +92,12 @@ impl Source<'_> {
         (part, origins): (&Topology, &[(usize, Range<usize>)]),
         coordinates: &[WireCoordinates],
     ) -> Equilibrium {
-        let start = Vector3::x() * self.topology.support_places()[spans.start].x;
+        let start = Vector3::x() * self.topology.mast_x(spans.start);
         let droppers = self.topology.droppers();
         let droppers = droppers
             .iter()
             .zip(&self.equilibrium.dropper_lengths)
-            .filter(|(place, _)| spans.contains(&(place.span - 1)));
+            .filter(|(place, _)| spans.contains(&self.topology.span_of(place)));
         let wire = |(own, ((number, nodes), coordinates)): (usize, (&(usize, Range<usize>), &WireCoordinates))| {
             let geometry = &self.equilibrium.wires[*number];
             let cut = geometry.nodes()[nodes.clone()].iter().zip(&coordinates.nodes);
@@ -119,8 +123,11 @@ impl Source<'_> {
             WireGeometry::new(cut.collect(), lengths, layers.collect()).with_tension_shares(part.tension_shares(own))
         };
         // Reactions stand at inner supports, in the order of the supports.
-        let inner = |reactions: &[Vector3<f64>], per_support: usize| {
-            reactions[spans.start * per_support..(spans.end - 1) * per_support].to_vec()
+        let inside = self.topology.mast_x(spans.start) + APART..self.topology.mast_x(spans.end) - APART;
+        let inner = |reactions: &[Vector3<f64>], held: &mut dyn Iterator<Item = NodeOfWire>| {
+            let held = held.map(|at| self.topology.x_of(at)).zip(reactions);
+            let held = held.filter(|(x, _)| inside.contains(x));
+            held.map(|(_, reaction)| *reaction).collect()
         };
         Equilibrium {
             wires: origins.iter().zip(coordinates).enumerate().map(wire).collect(),
@@ -129,9 +136,9 @@ impl Source<'_> {
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),
             support_reactions: inner(
                 &self.equilibrium.support_reactions,
-                usize::from(part.support_places()[0].messenger_wire.is_some()),
+                &mut self.topology.held_by_supports(),
             ),
-            arm_reactions: inner(&self.equilibrium.arm_reactions, part.contact_wires().count()),
+            arm_reactions: inner(&self.equilibrium.arm_reactions, &mut self.topology.held_by_arms()),
         }
     }
 

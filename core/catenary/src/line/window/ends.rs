@@ -33,6 +33,19 @@ impl Fixed {
         }
     }
 
+    /// Holds a wire that ends at a mast which others pass, with these coordinates at its end.
+    pub(super) fn hold_inner_end(&self, end: &[usize], grounds: &mut Vec<Ground>, held: &mut Vec<usize>) {
+        held.extend(&end[1..=self.vertical()]);
+        match self.catenary.wire_ends {
+            WireEnds::Fixed => held.push(end[0]),
+            WireEnds::ConstantTension => grounds.push(Ground {
+                index: end[0],
+                stiffness: HOLDING_STIFFNESS,
+                ..Ground::default()
+            }),
+        }
+    }
+
     /// Holds a support by its springs, or an end of the modelled line.
     pub(super) fn hold(
         &self,

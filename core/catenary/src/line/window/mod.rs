@@ -48,6 +48,7 @@ mod transfer;
 
 use crate::line::Equilibrium;
 use crate::statics::Repeat;
+use crate::support::HOLDING_STIFFNESS;
 use crate::{
     Dimension, Line, LinearLine, NodeOfWire, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology,
     Wire, WireName,
@@ -60,7 +61,7 @@ use end_layers::EndLayers;
 use far::{FarField, Member};
 use places::SpanPlaces;
 use plan::{Arrangement, ModeCounts, Plan};
-use scene::{Catenary, Reduction, Scene};
+use scene::{Catenary, Reduction, Scene, WireEnds};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -83,6 +84,8 @@ const BAND: f64 = 1.0;
 const FAR_BAND: f64 = 1.4;
 /// Damping of the modes of a span `REACH` beyond the near ones, 1/s.
 const SPONGE: f64 = 5.0;
+/// Coordinates held at an end of a wire, at most.
+const ENDS_HELD: usize = 3;
 /// Largest difference in the static state between spans that are taken as equal, m.
 pub(crate) const SAME: f64 = 1e-7;
 
@@ -140,6 +143,8 @@ pub struct WindowedLine {
     /// Positions of the coordinates of the window's spans.
     places: Arc<SpanPlaces>,
     inner: Box<dyn OverheadLine>,
+    /// Number of each contact wire among those of the window; none beyond it.
+    own_wires: Vec<Option<usize>>,
     /// Potential energy of `inner` in its static state, J; different for each place of the window.
     energy_at_rest: f64,
     far: FarField,
@@ -215,6 +220,22 @@ impl Fixed {
         self.elongations[self.source_of(span, 1)]
     }
 
+    /// Number of each contact wire of the line among those of a section of the solved line; none for a wire that has
+    /// no element there.
+    fn own_wires(&self, spans: &Range<usize>) -> Vec<Option<usize>> {
+        let mut count = 0;
+        let numbers = self.topology.contact_wires().map(|wire| {
+            let present = !self.topology.nodes_in(wire, spans).is_empty();
+            count += usize::from(present);
+            present.then(|| count - 1)
+        });
+        numbers.collect()
+    }
+
+    fn most_wires_at_a_mast(&self) -> usize {
+        self.topology.masts().iter().map(Vec::len).max().unwrap_or(0)
+    }
+
     /// Nodes of the solved line at a support.
     fn nodes_at(&self, support: usize) -> impl Iterator<Item = NodeOfWire> + '_ {
         self.topology.nodes_at(self.source_support(support))
@@ -275,7 +296,8 @@ impl WindowedLine {
         let arrangement = fixed.arrangement(fixed.plan.position(span_at(&fixed.supports_x, rear)));
         let mut line = Self {
             origin: fixed.supports_x[arrangement.at],
-            uplift_reference: vec![0.0; fixed.supports_x.len() * line.contact_wires()],
+            uplift_reference: vec![0.0; fixed.supports_x.len() * fixed.most_wires_at_a_mast()],
+            own_wires: Vec::new(),
             inner: Box::new(line),
             energy_at_rest: 0.0,
             far: FarField::default(),
@@ -318,6 +340,7 @@ impl WindowedLine {
         let (mut line, places) = fixed.source().cut_for_contact(spans, first, &mut self.compliance);
         let count = places.count;
         self.places = Arc::new(places);
+        self.own_wires = fixed.own_wires(&(from..from + plan.window));
         self.inner = if fixed.linearised {
             let mut own = Layout::new();
             own.add_coordinates(first + count, "window");
@@ -365,6 +388,9 @@ impl WindowedLine {
         }
         let unused = fixed.coordinates.clone().zip(used).filter(|(_, used)| !used);
         self.held = unused.map(|(index, _)| index).collect();
+        for end in &self.places.ends {
+            fixed.hold_inner_end(end, &mut far.grounds, &mut self.held);
+        }
         for support in arrangement.modelled.start..=arrangement.modelled.end {
             let inside = arrangement.window.start < support && support < arrangement.window.end;
             if !inside {
@@ -385,18 +411,24 @@ impl WindowedLine {
         Continuity::Replaced
     }
 
-    /// Indices of the vertical displacements of the contact wires at a support; none where it is not modelled.
+    /// Indices of the vertical displacements of the contact wires that pass a support; none where it is not modelled.
     fn rises(&self, support: usize) -> impl Iterator<Item = usize> + '_ {
         let places = self.arrangement.support(&self.places, support);
         let per_node = coordinates_per_node(self.fixed.topology.options().dimension);
-        // Contact wires come first.
-        let nodes = places.into_iter().flatten().take(per_node * self.inner.contact_wires());
-        nodes.skip(self.fixed.vertical()).step_by(per_node)
+        let vertical = places
+            .into_iter()
+            .flatten()
+            .skip(self.fixed.vertical())
+            .step_by(per_node);
+        let wires = self.fixed.topology.wires();
+        let nodes = vertical.zip(self.fixed.nodes_at(support));
+        let of_contact_wires = nodes.filter(|(_, at)| wires[at.wire].name == WireName::ContactWire);
+        of_contact_wires.map(|(index, _)| index)
     }
 
     /// Largest rise of the contact wires at a support above the height in the reference state, m, and its index.
     fn most_lifted(&self, support: usize, q: &[f64]) -> Option<(f64, usize)> {
-        let wires = self.inner.contact_wires();
+        let wires = self.fixed.most_wires_at_a_mast();
         let reference = &self.uplift_reference[wires * support..wires * (support + 1)];
         let rises = self.rises(support).zip(reference);
         let rises = rises.map(|(index, reference)| (q[index] - reference, index));
@@ -444,9 +476,10 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
         .map(|&from| source.places(&(from..from + window), 0).count)
         .max();
     let anchored = source.topology.wires().iter();
-    let anchored = anchored.filter(|planned| planned.name != WireName::StitchWire);
+    let anchored = anchored.filter(|planned| planned.section == 0 && planned.name != WireName::StitchWire);
     let wires: Vec<&scene::Wire> = anchored.map(|planned| &planned.parameters).collect();
-    let longest = catenary.span_lengths().iter().copied().fold(0.0, f64::max);
+    let lengths = catenary.tension_lengths.iter().flat_map(|length| &length.span_lengths);
+    let longest = lengths.copied().fold(0.0, f64::max);
     let directions = if source.topology.options().dimension == Dimension::Planar {
         1
     } else {
@@ -454,7 +487,18 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     };
     let elongations = elongations(&source);
     let of_span = |span: usize| source.places(&(span..span + 1), 0).inner[0].len() - elongations[span];
-    let all = (0..repeat.known).map(of_span).min().unwrap_or(0);
+    let several = catenary.tension_lengths.len() > 1;
+    let beside = if several {
+        (0..repeat.spans)
+            .map(|span| source.topology.tension_lengths_in(span))
+            .collect()
+    } else {
+        Vec::new()
+    };
+    // Of the ends of wires three coordinates may be held.
+    let held = if several { ENDS_HELD * wires.len() } else { 0 };
+    let all = (0..repeat.known).map(|span| (of_span(span) - held) / beside.get(span).copied().unwrap_or(1));
+    let all = all.min().unwrap_or(0);
     let stitch_wire = source.catenary.stitch_wires.as_ref();
     let stitch_wire = stitch_wire.map(|stitch| (&stitch.wire, stitch.length));
     let modes_up_to = |frequency: f64| -> usize {
@@ -481,6 +525,7 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
             far,
             searched: modes_up_to(1.2 * second_longitudinal),
         },
+        beside,
         at_support: at_supports(&source).into_iter().max().unwrap_or(0),
         elongations: elongations.into_iter().max().unwrap_or(0),
         inner: inner.unwrap_or(0),
@@ -511,7 +556,7 @@ fn elongations(source: &Source<'_>) -> Vec<usize> {
     let mut counts = vec![0; source.catenary.spans()];
     if source.catenary.droppers.damping > 0.0 {
         for place in source.topology.droppers() {
-            counts[place.span - 1] += 1;
+            counts[source.topology.span_of(place)] += 1;
         }
     }
     counts
@@ -532,8 +577,10 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
             .position(|&example| source.difference(example, span) <= SAME);
         if known.is_none() {
             let matrices = matrices(&source, span, elongations);
-            let cell =
-                Cell::new(matrices, modes, plan.modes.searched).ok_or(StaticsError::Unstable { span: span + 1 })?;
+            let beside = plan.beside(span);
+            let searched = (beside * plan.modes.searched, beside * LONGITUDINAL);
+            let cell = Cell::new(matrices, beside * modes, searched);
+            let cell = cell.ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
             cells.push(Arc::new(cell));
         }
@@ -559,7 +606,15 @@ fn matrices(source: &Source<'_>, span: usize, elongations: usize) -> SpanMatrice
     let mut tangent = |q: f64, v: f64| {
         Blocks::collect(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)))
     };
-    let (stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
+    let (mut stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
+    let mut held = Vec::new();
+    for end in &places.ends {
+        held.extend(&end[1..end.len() / 2]);
+        match source.catenary.wire_ends {
+            WireEnds::Fixed => held.push(end[0]),
+            WireEnds::ConstantTension => stiffness.push((end[0] as u32, end[0] as u32, HOLDING_STIFFNESS)),
+        }
+    }
     let mass = Blocks::collect(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
     let matrix = |entries| SparseMatrix::from_entries(size, entries);
     let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
@@ -575,6 +630,7 @@ fn matrices(source: &Source<'_>, span: usize, elongations: usize) -> SpanMatrice
         longitudinal,
         elongations: Elongations::new(line.droppers().gradients(&motion).take(elongations)),
         layers,
+        held,
         stiffness,
         damping,
         mass,

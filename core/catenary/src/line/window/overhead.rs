@@ -1,5 +1,5 @@
 //! A windowed line as an overhead line.
-use super::curve::WindowCurve;
+use super::curve::{Elsewhere, WindowCurve};
 use super::plan::Arrangement;
 use super::{WindowedLine, span_at};
 use crate::{DropperSample, Line, NodeOfWire, OverheadLine, WireCurve, WireName};
@@ -26,12 +26,15 @@ impl OverheadLine for WindowedLine {
     }
 
     fn contact_wires(&self) -> usize {
-        self.inner.contact_wires()
+        self.fixed.topology.contact_wires().count()
     }
 
-    fn contact_curve(&self, pair: (usize, usize)) -> Arc<dyn WireCurve> {
+    fn contact_curve(&self, (strip, wire): (usize, usize)) -> Arc<dyn WireCurve> {
+        let Some(own) = self.own_wires[wire] else {
+            return Arc::new(Elsewhere);
+        };
         Arc::new(WindowCurve {
-            inner: self.inner.contact_curve(pair),
+            inner: self.inner.contact_curve((strip, own)),
             position: self.fixed.position,
             origin: self.origin,
         })
@@ -61,9 +64,9 @@ impl OverheadLine for WindowedLine {
         let node = |at: NodeOfWire| fixed.equilibrium.wires[at.wire].nodes()[at.node].position;
         for span in self.drawn().filter(|span| !self.arrangement.window.contains(span)) {
             let from = fixed.source_of(span, 1);
-            let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.support_places()[from].x);
+            let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.mast_x(from));
             let droppers = fixed.topology.droppers().iter().zip(&fixed.equilibrium.dropper_lengths);
-            let of_span = droppers.filter(|(place, _)| place.span == from + 1);
+            let of_span = droppers.filter(|(place, _)| fixed.topology.span_of(place) == from);
             samples.extend(of_span.map(|(place, unstressed_length)| {
                 let [top, bottom] = [place.upper, place.lower].map(|at| node(at) + shift);
                 let elongation = (top - bottom).norm() - unstressed_length;
@@ -91,7 +94,7 @@ impl OverheadLine for WindowedLine {
 
     fn set_uplift_reference(&mut self, q: &[f64]) {
         self.uplift_reference.fill(0.0);
-        let wires = self.inner.contact_wires();
+        let wires = self.fixed.most_wires_at_a_mast();
         for support in self.arrangement.modelled.start..=self.arrangement.modelled.end {
             let rises: Vec<f64> = self.rises(support).map(|index| q[index]).collect();
             self.uplift_reference[wires * support..][..rises.len()].copy_from_slice(&rises);
@@ -100,12 +103,20 @@ impl OverheadLine for WindowedLine {
 
     /// A support that is not modelled at present stands at its static height.
     fn uplift(&self, support: usize, q: &[f64]) -> f64 {
-        let at_rest = -self.uplift_reference[self.inner.contact_wires() * support];
-        self.most_lifted(support, q).map_or(at_rest, |(rise, _)| rise)
+        let at_rest = -self.uplift_reference[self.fixed.most_wires_at_a_mast() * support];
+        let rise = self.most_lifted(support, q).map_or(at_rest, |(rise, _)| rise);
+        // A wire that ends at the mast does not move.
+        if self.fixed.topology.has_inner_end(self.fixed.source_support(support)) {
+            rise.max(0.0)
+        } else {
+            rise
+        }
     }
 
     fn uplift_rate(&self, support: usize, q: &[f64], v: &[f64]) -> f64 {
-        self.most_lifted(support, q).map_or(0.0, |(_, index)| v[index])
+        let ends = self.fixed.topology.has_inner_end(self.fixed.source_support(support));
+        let lifted = self.most_lifted(support, q).filter(|(rise, _)| !ends || *rise > 0.0);
+        lifted.map_or(0.0, |(_, index)| v[index])
     }
 
     /// Reduced spans and those beyond are drawn at rest.
@@ -130,9 +141,8 @@ impl OverheadLine for WindowedLine {
             fixed.topology.nodes_in(number, &(from..from + 1))
         };
         let elements = |span: usize| {
-            numbers
-                .first()
-                .map_or(0, |&wire| nodes_in(wire, span).len().saturating_sub(1))
+            let all = numbers.iter().map(|&wire| nodes_in(wire, span).len().saturating_sub(1));
+            all.max().unwrap_or(0)
         };
         let stride = drawn.clone().map(elements).sum::<usize>().div_ceil(most).max(1);
         let mut lines = Vec::new();
@@ -141,14 +151,15 @@ impl OverheadLine for WindowedLine {
             let rest = &fixed.equilibrium.wires[number];
             for span in drawn.clone() {
                 let range = nodes_in(number, span);
-                let left = fixed.topology.support_places()[fixed.source_of(span, 1)].x;
+                let left = fixed.topology.mast_x(fixed.source_of(span, 1));
                 let at_rest = Vector3::x() * (fixed.supports_x[span] - left);
                 if range.is_empty() {
                     continue;
                 }
                 let moves = self.arrangement.window.contains(&span);
                 let own = if moves { in_window(number, span) } else { None };
-                let last = usize::from(span + 1 == drawn.end || name == WireName::StitchWire);
+                let goes_on = !nodes_in(number, (span + 1).min(fixed.plan.spans - 1)).is_empty();
+                let last = usize::from(span + 1 == drawn.end || name == WireName::StitchWire || !goes_on);
                 let shown = range.clone().take(range.len().saturating_sub(1) + last);
                 for node in shown.filter(|node| (node - range.start) % stride == 0 || node + 1 == range.end) {
                     points.push(match own {

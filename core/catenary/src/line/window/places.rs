@@ -1,6 +1,6 @@
 //! Coordinates of the spans of a section of the line.
-use crate::Topology;
 use crate::line::WireCoordinates;
+use crate::{NodeOfWire, Topology};
 use std::ops::Range;
 
 /// Positions of the coordinates of some spans.
@@ -10,8 +10,10 @@ pub(crate) struct SpanPlaces {
     pub supports: Vec<Vec<usize>>,
     /// For each support, its bending layers.
     pub layers: Vec<Vec<usize>>,
-    /// Coordinates between the supports of each span.
+    /// Coordinates between the supports of each span, with those of wires that end at a mast which others pass.
     pub inner: Vec<Range<usize>>,
+    /// Coordinates of each node where such a wire ends.
+    pub ends: Vec<Vec<usize>>,
     /// Number of coordinates.
     pub count: usize,
 }
@@ -19,12 +21,12 @@ pub(crate) struct SpanPlaces {
 impl SpanPlaces {
     /// Positions of `count` coordinates of a section, numbered along the track and shifted by `first`.
     pub fn new(section: &Topology, coordinates: &[WireCoordinates], first: usize, count: usize) -> Self {
-        let supports = 0..section.support_places().len();
-        let at = |support: usize| {
-            let nodes = section.nodes_at(support);
-            let indices = nodes.flat_map(|at| coordinates[at.wire].nodes[at.node].indices());
-            indices.map(|index| first + index).collect::<Vec<_>>()
+        let supports = 0..section.masts().len();
+        let of_node = |at: NodeOfWire| {
+            let indices = coordinates[at.wire].nodes[at.node].indices();
+            indices.map(|index| first + index)
         };
+        let at = |support: usize| section.nodes_at(support).flat_map(of_node).collect::<Vec<_>>();
         let layers = |support: usize| {
             let layers = section.nodes_at(support).flat_map(|at| {
                 let of_wire = coordinates[at.wire].layers.iter();
@@ -40,6 +42,7 @@ impl SpanPlaces {
         });
         Self {
             inner: inner.collect(),
+            ends: section.inner_ends().map(|at| of_node(at).collect()).collect(),
             supports,
             layers,
             count,

@@ -44,8 +44,10 @@ pub(super) struct Plan {
     pub reach: usize,
     /// Reduced spans nearest to the window that carry all waves of interest.
     pub near: usize,
-    /// Modes of reduced spans.
+    /// Modes of reduced spans of one tension length.
     pub modes: ModeCounts,
+    /// Tension lengths in each span; none given, one each.
+    pub beside: Vec<usize>,
     /// Coordinates of a support, at most.
     pub at_support: usize,
     /// Elongations of droppers that are coordinates of a reduced span, at most.
@@ -57,13 +59,19 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Modes of the `distance`-th span from the window, counted from 1.
-    fn mode_count(&self, distance: usize) -> usize {
-        if distance > self.near {
+    /// Tension lengths in a span.
+    pub fn beside(&self, span: usize) -> usize {
+        self.beside.get(span).copied().unwrap_or(1)
+    }
+
+    /// Modes of a span, the `distance`-th from the window, counted from 1.
+    fn mode_count(&self, span: usize, distance: usize) -> usize {
+        let of_one = if distance > self.near {
             self.modes.far
         } else {
             self.modes.near
-        }
+        };
+        self.beside(span) * of_one
     }
 
     /// Reduced spans on one side, at most.
@@ -95,8 +103,9 @@ impl Plan {
         let positions = 0..=self.spans - self.window;
         let used = positions.map(|at| {
             let (left, right) = self.reduced(at);
-            let side = |count: usize| -> usize { (1..=count).map(|distance| self.mode_count(distance)).sum() };
-            side(left) + side(right)
+            let of_left = (1..=left).map(|distance| self.mode_count(at - distance, distance));
+            let of_right = (1..=right).map(|distance| self.mode_count(at + self.window + distance - 1, distance));
+            of_left.chain(of_right).sum()
         });
         used.max().unwrap_or(0)
     }
@@ -125,14 +134,14 @@ impl Plan {
         };
         for distance in 1..=left {
             let span = left - distance;
-            modes[span] = take(self.mode_count(distance));
+            modes[span] = take(self.mode_count(at - distance, distance));
             let support = self.window_first() - distance * self.interface();
             supports[span] = Some(support..support + self.at_support);
             elongations[span] = support + self.at_support..support + self.interface();
         }
         for distance in 1..=right {
             let span = left + self.window + distance - 1;
-            modes[span] = take(self.mode_count(distance));
+            modes[span] = take(self.mode_count(window.end + distance - 1, distance));
             let support = self.window_first() + self.inner + distance * self.interface() - self.at_support;
             supports[span + 1] = Some(support..support + self.at_support);
             elongations[span] = support - self.elongations..support;
@@ -204,6 +213,7 @@ mod tests {
                 far: 5,
                 searched: 30,
             },
+            beside: Vec::new(),
             at_support: 8,
             elongations: 3,
             inner: 100,

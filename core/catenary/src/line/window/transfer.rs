@@ -2,6 +2,7 @@
 use super::places::SpanPlaces;
 use super::plan::Arrangement;
 use super::{Fixed, coordinates_per_node};
+use crate::NodeOfWire;
 use dynamics::State;
 
 /// An arrangement and the positions of the coordinates of its window.
@@ -90,18 +91,20 @@ impl Fixed {
     fn support_motion(&self, (from, places): Placed<'_>, support: usize, old: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let nearest = support.clamp(from.modelled.start, from.modelled.end);
         let places = from.support(places, nearest).into_iter().flatten();
+        if nearest == support {
+            return places.map(old).collect();
+        }
         let per_node = coordinates_per_node(self.topology.options().dimension);
-        let known = |(i, index): (usize, usize)| {
-            let longitudinal = i % per_node == 0;
-            if nearest == support || longitudinal {
-                old(index)
-            } else {
-                0.0
-            }
+        let places: Vec<usize> = places.collect();
+        let wire = |at: NodeOfWire| {
+            let planned = &self.topology.wires()[at.wire];
+            (planned.section, planned.name, planned.offset)
         };
-        let mut motion: Vec<f64> = places.enumerate().map(known).collect();
-        // A true end has no stitch wire, which is the last of the wires.
-        motion.resize(self.at_support(support), 0.0);
+        let mut motion = vec![0.0; self.at_support(support)];
+        for (at, motion) in self.nodes_at(support).zip(motion.chunks_exact_mut(per_node)) {
+            let same = self.nodes_at(nearest).position(|other| wire(other) == wire(at));
+            motion[0] = same.map_or(0.0, |node| old(places[node * per_node]));
+        }
         motion
     }
 }
