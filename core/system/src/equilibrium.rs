@@ -127,14 +127,12 @@ impl Side {
 /// [`EquilibriumError::Wire`].
 pub fn wire_height(scene: &Scene, statics: &StaticLine, index: usize, force: f64) -> Result<f64, EquilibriumError> {
     let x = scene.head_start_x(index);
-    let answer = statics.wire_height_under(x, force);
-    answer
-        .map(|answer| answer.height)
-        .map_err(|source| EquilibriumError::Wire {
-            pantograph: index + 1,
-            x,
-            source,
-        })
+    let height = statics.wire_height(x, force);
+    height.map_err(|source| EquilibriumError::Wire {
+        pantograph: index + 1,
+        x,
+        source,
+    })
 }
 
 /// Writes into the scene what a start needs and the file leaves open: `reference_height` of lumped pantographs and

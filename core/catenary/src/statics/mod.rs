@@ -10,6 +10,7 @@
 //! repeat              long lines, from short ones
 //! drawing             places of the parts at rest, for drawings
 //! tensioned_ends      friction and stops of the tensioning devices
+//! kept                results that follow from a static state, kept with it
 //! report              figures of the static state, with the names of the result files
 //! error               errors of statics
 //! ```
@@ -19,6 +20,7 @@ mod directors;
 mod drawing;
 mod error;
 mod form_finding;
+mod kept;
 mod load;
 mod nodal_displacement;
 mod repeat;
@@ -28,13 +30,15 @@ mod tensioned_ends;
 pub use blow_off::BlowOffReport;
 pub use drawing::{DropperAtRest, WireAtRest};
 pub use error::StaticsError;
+use kept::Kept;
 pub(crate) use repeat::Repeat;
 pub use report::{
     DropperReport, ElasticityReport, EndReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
 };
 
+use crate::line::Equilibrium;
+use crate::line::modal::{Base, Wish};
 use crate::line::window::{Cells, Source};
-use crate::line::{Equilibrium, KeptBases};
 use crate::{
     CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
     WindOnLine, WireGeometry, WireName,
@@ -99,6 +103,10 @@ impl System for Standalone {
     }
 }
 
+/// Lines in their modes and heights of the contact wire kept with a static state: some speeds, some pantographs.
+const MODAL_LINES: usize = 4;
+const HEIGHTS: usize = 16;
+
 /// A line with known static state.
 #[derive(Clone, Debug)]
 pub struct StaticLine {
@@ -111,7 +119,9 @@ pub struct StaticLine {
     /// Spans reduced to modes, made on the first request.
     cells: OnceLock<Cells>,
     /// Lines in their modes made before.
-    modal: KeptBases,
+    modal: Kept<Wish, Arc<Base>>,
+    /// Heights of the contact wire, m, by place along the track, m, and force, N.
+    heights: Kept<(f64, f64), f64>,
     system: Standalone,
     /// Residual compliance of each contact wire under strips at rest; empty without.
     at_rest: Vec<Option<Arc<ResidualCompliance>>>,
@@ -186,7 +196,8 @@ impl StaticLine {
                 equilibrium: &equilibrium,
             }),
             cells: OnceLock::new(),
-            modal: KeptBases::default(),
+            modal: Kept::keeping(MODAL_LINES),
+            heights: Kept::keeping(HEIGHTS),
             catenary: catenary.clone(),
             topology,
             equilibrium,
@@ -252,7 +263,7 @@ impl StaticLine {
     }
 
     /// Lines in their modes, shared by those made from this static state.
-    pub(crate) fn modal(&self) -> &KeptBases {
+    pub(crate) fn modal(&self) -> &Kept<Wish, Arc<Base>> {
         &self.modal
     }
 

@@ -141,6 +141,16 @@ impl StaticLine {
         self.solved_height_under(self.solved_place(x), force)
     }
 
+    /// Height of the contact wire at `x` (m) under an upward force in N, m; the last few are kept.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn wire_height(&self, x: f64, force: f64) -> Result<f64, StaticsError> {
+        self.heights.or_made((x, force), || {
+            self.wire_height_under(x, force).map(|answer| answer.height)
+        })
+    }
+
     /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N at rest, per newton,
     /// residual compliance included. Slack droppers are followed.
     ///

@@ -1,31 +1,32 @@
 //! A line in its modes before strips run under it.
 use super::modes::Modes;
+use super::slack::Answers;
 use crate::{Line, LinearLine, StaticsError, WireCurve};
 use dynamics::Layout;
-use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// Bases kept with a static state; the oldest go first.
-const KEPT: usize = 4;
+use std::sync::Arc;
 
 /// Choices that a base follows from, besides the static state.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct Wish {
-    pub flat: bool,
+pub(crate) struct Wish {
+    pub(super) flat: bool,
     /// Highest mode, Hz.
-    pub highest: f64,
+    pub(super) highest: f64,
     /// Damping of wires in proportion to their stiffness, s.
-    pub beta: f64,
+    pub(super) beta: f64,
+    /// Length of a step, s.
+    pub(super) h: f64,
 }
 
 /// Parts that all runs over one line have in common.
-pub(super) struct Base {
-    pub modes: Arc<Modes>,
-    pub contact_wires: Vec<Arc<dyn WireCurve>>,
+pub(crate) struct Base {
+    pub(super) modes: Arc<Modes>,
+    pub(super) contact_wires: Vec<Arc<dyn WireCurve>>,
     /// Positions of wires, supports and droppers, in the coordinates of the linearised line.
-    pub shape: Line,
+    pub(super) shape: Line,
     /// Number of those coordinates.
-    pub coordinates: usize,
+    pub(super) coordinates: usize,
+    /// Answers to forces at the end of a step, and at the start.
+    pub(super) answers: [Answers; 2],
 }
 
 impl Base {
@@ -33,52 +34,19 @@ impl Base {
     ///
     /// # Errors
     /// See [`StaticsError::Modes`].
-    pub fn of((mut linear, own): (LinearLine, &Layout), wish: Wish) -> Result<Self, StaticsError> {
+    pub(super) fn of((mut linear, own): (LinearLine, &Layout), wish: Wish) -> Result<Self, StaticsError> {
         let modes = Modes::of(&mut linear, own, [wish.highest, wish.beta])?;
         let shape = linear.shape().cloned().ok_or(StaticsError::Modes {
             reason: "the line has no shape".to_owned(),
         })?;
         let contact_wires = (0..linear.contact_wires()).map(|wire| linear.contact_curve(wire));
+        let answers = [Answers::new(&modes, wish.h), Answers::at_start(&modes)];
         Ok(Self {
+            answers,
             modes,
             contact_wires: contact_wires.collect(),
             shape,
             coordinates: own.coordinates(),
         })
-    }
-}
-
-/// Bases made before from one static state, for cases of a sweep; a copy of the state begins without.
-#[derive(Default)]
-pub(crate) struct KeptBases(Mutex<Vec<(Wish, Arc<Base>)>>);
-
-impl KeptBases {
-    /// The base of a wish, made by `make` where it is not kept.
-    pub(super) fn or_made(
-        &self,
-        wish: Wish,
-        make: impl FnOnce() -> Result<Base, StaticsError>,
-    ) -> Result<Arc<Base>, StaticsError> {
-        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, base)) = kept().iter().find(|(other, _)| *other == wish) {
-            return Ok(Arc::clone(base));
-        }
-        let base = Arc::new(make()?);
-        let mut kept = kept();
-        kept.insert(0, (wish, Arc::clone(&base)));
-        kept.truncate(KEPT);
-        Ok(base)
-    }
-}
-
-impl Clone for KeptBases {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl fmt::Debug for KeptBases {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("KeptBases").finish_non_exhaustive()
     }
 }

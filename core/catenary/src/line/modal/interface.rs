@@ -130,8 +130,8 @@ struct Step {
 }
 
 impl Interface {
-    /// The line under `points`, prepared for steps of `h` s.
-    pub fn new(modes: Arc<Modes>, points: Vec<ContactPoint>, h: f64) -> Self {
+    /// The line under `points`, with answers at the end of steps known before.
+    pub fn new(modes: Arc<Modes>, factors: Vec<Answers>, points: Vec<ContactPoint>) -> Self {
         let (count, droppers, contacts) = (modes.count(), modes.droppers(), points.len());
         let mut slope = vec![0.0; contacts * contacts];
         (0..contacts).for_each(|point| slope[point * (contacts + 1)] = HELD);
@@ -165,7 +165,7 @@ impl Interface {
             coordinates: points.iter().map(|point| point.coordinate).collect(),
             scaled: slope.clone(),
             slope,
-            factors: [h, 0.0].map(|h| Answers::new(&modes, h)).into(),
+            factors,
             step: Step {
                 q_free: vec![0.0; count],
                 v_free: vec![0.0; count],

@@ -39,7 +39,6 @@ use crate::{
     DropperSample, Line, LinearLine, NodeOfWire, OverheadLine, StaticLine, StaticsError, WireCurve, WireName, WireNode,
     mesh,
 };
-use base::{Base, Wish};
 use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
 use interface::{ContactPoint, Interface};
@@ -47,7 +46,7 @@ use nalgebra::Vector3;
 use scene::{Reduction, Scene};
 use std::sync::Arc;
 
-pub(crate) use base::KeptBases;
+pub(crate) use base::{Base, Wish};
 pub use store::cache_folder;
 
 /// Highest mode in units of the highest frequency that a strip sends out: a force of the filter's frequency `f` that
@@ -86,6 +85,7 @@ impl ModalLine {
             flat: scene.model.has(Reduction::Flat),
             highest: highest(scene),
             beta,
+            h: scene.solver.micro_step,
         };
         let base = statics.modal().or_made(wish, || {
             let mut own = Layout::new();
@@ -95,13 +95,13 @@ impl ModalLine {
                 let mut line = statics.line_in(&mut own);
                 LinearLine::about(&mut line, &own)
             };
-            Base::of((linear, &own), wish)
+            Base::of((linear, &own), wish).map(Arc::new)
         })?;
-        Ok(Self::under(&base, scene.strip_count(), scene.solver.micro_step, layout))
+        Ok(Self::under(&base, scene.strip_count(), layout))
     }
 
-    /// The line under `strips` strips in steps of `h` s; one coordinate per strip and contact wire joins `layout`.
-    fn under(base: &Base, strips: usize, h: f64, layout: &mut Layout) -> Self {
+    /// The line under `strips` strips; one coordinate per strip and contact wire joins `layout`.
+    fn under(base: &Base, strips: usize, layout: &mut Layout) -> Self {
         let shape = base.shape.clone();
         let rest: Arc<[f64]> = vec![0.0; base.coordinates].into();
         let contact_wires = base.contact_wires.len();
@@ -124,7 +124,7 @@ impl ModalLine {
             }));
         }
         Self {
-            interface: Interface::new(Arc::clone(&base.modes), points, h),
+            interface: Interface::new(Arc::clone(&base.modes), base.answers.to_vec(), points),
             curves,
             contact_wires,
             coordinates: base.coordinates,

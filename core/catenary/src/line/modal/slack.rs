@@ -11,8 +11,9 @@ const SETTLED: f64 = 1e-9;
 const SWEEPS: usize = 500;
 
 /// Answers of the line to forces at the end of a step of one length.
-pub(super) struct Answers {
-    pub step: StepFactors,
+#[derive(Clone)]
+pub(crate) struct Answers {
+    pub(super) step: StepFactors,
     /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
     between_droppers: Vec<f64>,
     /// Amplitudes and their rates by a unit force of one dropper.
@@ -26,6 +27,15 @@ impl Answers {
             between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
             products: [vec![0.0; modes.count()], vec![0.0; modes.count()]],
         }
+    }
+
+    /// Answers at the start, where each dropper may be slack.
+    pub fn at_start(modes: &Modes) -> Self {
+        let (mut answers, arch) = (Self::new(modes, 0.0), Arch::new());
+        for a in 0..modes.droppers() {
+            (a..modes.droppers()).for_each(|b| answers.need((arch, modes), [a, b]));
+        }
+        answers
     }
 
     /// Finds the answer of dropper `a` to the force of dropper `b` where it is not yet known.
