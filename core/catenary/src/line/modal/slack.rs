@@ -29,8 +29,8 @@ impl Answers {
         }
     }
 
-    /// Answers at the start, where each dropper may be slack.
-    pub fn at_start(modes: &Modes) -> Self {
+    /// Answers between all droppers in a step of 0 s, which leads to rest.
+    pub fn at_rest(modes: &Modes) -> Self {
         let (mut answers, arch) = (Self::new(modes, 0.0), Arch::new());
         for a in 0..modes.droppers() {
             (a..modes.droppers()).for_each(|b| answers.need((arch, modes), [a, b]));
