@@ -245,10 +245,6 @@ fn ends_in_order(signal: &str) {
     command
         .args(["run", scene.to_str().unwrap(), "--mode", "inprocess", "-q", "--out"])
         .arg(folder.path());
-    // Short steps, so that no machine is done before the signal.
-    for key in ["coupling.macro_step", "solver.micro_step"] {
-        command.args(["--set", &format!("{key}=1e-4")]);
-    }
     command.stderr(std::process::Stdio::piped());
     let child = command.spawn().unwrap();
     // The scene is written when the time loop begins; the run itself takes seconds.
