@@ -124,6 +124,32 @@ fn a_window_follows_a_line_through_a_curve_and_one_that_was_changed() {
     }
 }
 
+/// The line of a scene pressed up a little by a strip that keeps its height.
+fn under_a_strip(scene: &scene::Scene) -> (Subsystem, StripStart) {
+    let statics = catenary::static_line(scene).unwrap();
+    let mut line = Subsystem::new(scene, &statics).unwrap();
+    let strip = StripStart {
+        x: scene.strip_start_x(0),
+        y: 0.0,
+        height: statics.wire_height_under(scene.strip_start_x(0), 150.0).unwrap().height + 3e-3,
+        speed: scene.run.speed,
+    };
+    line.start(&[strip]).unwrap();
+    (line, strip)
+}
+
+/// Energy of the line, J, and force on the strip, N, at the end of each step of 1 ms.
+fn course(line: &mut Subsystem, strip: &StripStart, steps: Range<usize>) -> Vec<(f64, f64)> {
+    let step = |n: usize| {
+        let t = n as f64 * 1e-3;
+        line.set_strip_input(0, 2, strip.height);
+        line.set_strip_input(0, 0, strip.x + strip.speed * t);
+        line.advance_to(t, 1e-3).unwrap();
+        (line.energy(), line.contact(0).force)
+    };
+    steps.map(step).collect()
+}
+
 /// Windows of unlike spans are different sections, with different droppers and energies at rest: the energy above the
 /// static state stays that of the whole line when the window moves, and a line taken back over a move repeats itself.
 #[test]
@@ -138,26 +164,7 @@ fn the_energy_passes_a_move_over_unlike_spans_which_repeats_itself_when_taken_ba
             ]
             .concat(),
         );
-        let statics = catenary::static_line(&scene).unwrap();
-        let mut line = Subsystem::new(&scene, &statics).unwrap();
-        let strip = StripStart {
-            x: scene.strip_start_x(0),
-            y: 0.0,
-            height: statics.wire_height_under(scene.strip_start_x(0), 150.0).unwrap().height + 3e-3,
-            speed: scene.run.speed,
-        };
-        line.start(&[strip]).unwrap();
-        (line, strip)
-    };
-    let course = |line: &mut Subsystem, strip: &StripStart, steps: Range<usize>| -> Vec<(f64, f64)> {
-        let step = |n: usize| {
-            let t = n as f64 * 1e-3;
-            line.set_strip_input(0, 2, strip.height);
-            line.set_strip_input(0, 0, strip.x + strip.speed * t);
-            line.advance_to(t, 1e-3).unwrap();
-            (line.energy(), line.contact(0).force)
-        };
-        steps.map(step).collect()
+        under_a_strip(&scene)
     };
     let (mut whole, strip) = subsystem("");
     let (mut window, _) = subsystem(", \"window\"");
@@ -239,26 +246,11 @@ fn a_window_taken_back_in_an_overlap_repeats_itself() {
         let reduce = format!("model.reduce=[\"linearised\"{words}]");
         let journey = ["run.start_x=335", HALF_A_SECOND[0], HALF_A_SECOND[1]];
         let scene = scene_with(OVERLAP, &[&journey[..], &[COARSE, &reduce]].concat());
-        let statics = catenary::static_line(&scene).unwrap();
-        let mut line = Subsystem::new(&scene, &statics).unwrap();
-        let strip = StripStart {
-            x: scene.strip_start_x(0),
-            y: 0.0,
-            height: statics.wire_height_under(scene.strip_start_x(0), 150.0).unwrap().height + 3e-3,
-            speed: scene.run.speed,
-        };
-        line.start(&[strip]).unwrap();
-        (line, strip)
+        under_a_strip(&scene)
     };
     let forces = |line: &mut Subsystem, strip: &StripStart, steps: Range<usize>| -> Vec<f64> {
-        let step = |n: usize| {
-            let t = n as f64 * 1e-3;
-            line.set_strip_input(0, 2, strip.height);
-            line.set_strip_input(0, 0, strip.x + strip.speed * t);
-            line.advance_to(t, 1e-3).unwrap();
-            line.contact(0).force
-        };
-        steps.map(step).collect()
+        let course = course(line, strip, steps).into_iter();
+        course.map(|(_, force)| force).collect()
     };
     let (mut whole, strip) = subsystem("");
     let (mut window, _) = subsystem(", \"window\"");

@@ -256,6 +256,12 @@ impl Catenary {
         &self.tension_lengths[0].span_lengths
     }
 
+    /// Length of each span of every tension length, m.
+    pub fn all_span_lengths(&self) -> impl Iterator<Item = f64> + '_ {
+        let lengths = self.tension_lengths.iter().flat_map(|length| &length.span_lengths);
+        lengths.copied()
+    }
+
     /// Length of the line from the first mast to the last, m.
     #[must_use]
     pub fn length(&self) -> f64 {

@@ -111,7 +111,7 @@ pub use scene::{Line, Scene, SceneFile};
 pub use section::Section;
 pub use solver::{Formulation, Jacobian, Solver};
 pub use stitch_wires::StitchWires;
-pub use supplied::{Connection, Offset, ParameterValue, Supplied};
+pub use supplied::{CONTROLLER, Connection, Offset, ParameterValue, Supplied};
 pub use tension_length::{MAX_SPANS, TensionLength};
 pub use tensioning::Tensioning;
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};

@@ -145,8 +145,7 @@ impl Scene {
     pub fn spans_between_strips(&self, catenary: &Catenary) -> usize {
         let starts = || (0..self.strip_count()).map(|strip| self.strip_start_x(strip));
         let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
-        let lengths = catenary.tension_lengths.iter().flat_map(|length| &length.span_lengths);
-        let shortest = lengths.copied().fold(f64::INFINITY, f64::min);
+        let shortest = catenary.all_span_lengths().fold(f64::INFINITY, f64::min);
         (apart / shortest).ceil() as usize
     }
 

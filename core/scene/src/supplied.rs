@@ -86,7 +86,7 @@ pub(crate) const PANTOGRAPH: [&[&str]; 2] = [
 ];
 
 /// A controller's inputs and outputs, by this program's names.
-pub(crate) const CONTROLLER: [&[&str]; 2] = [
+pub const CONTROLLER: [&[&str]; 2] = [
     &[
         "force",
         "desired_force",

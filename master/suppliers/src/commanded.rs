@@ -7,9 +7,7 @@ use cosim::slave::{Abilities, Slave, SlaveError};
 use scene::Scene;
 
 use crate::SuppliedController;
-
-/// Part of the macro step by which a sample time may miss a whole number of them.
-const ROUNDING: f64 = 1e-9;
+use crate::driven::pieces;
 
 /// A pantograph with its controller, as one slave: a macro step goes from sample to sample, and the controller is asked
 /// at each. The pantograph has the command as its last input and the readings of its instruments as last outputs.
@@ -34,8 +32,7 @@ impl Commanded {
         scene: &Scene,
         (inputs, outputs): (usize, usize),
     ) -> Self {
-        let steps = controller.samples().time(1) / scene.coupling.macro_step;
-        let whole = (steps - steps.round()).abs() <= ROUNDING * steps && steps.round() >= 1.0;
+        let whole = pieces(scene.coupling.macro_step, controller.samples().time(1)).is_some();
         Self {
             aligned: whole && scene.coupling.step_control.is_none(),
             slave,

@@ -5,8 +5,8 @@ use control::{Reading, Rule, Samples};
 use fmi2::import::Fmu;
 use scene::{Scene, Supplied};
 
-use super::driven::{Driven, Setting, fixed_step, nearest_multiple, pieces, role};
-use super::probe::{Probe, Request, isolation, probe};
+use super::driven::{Driven, Setting, fixed_step, nearest_multiple, pieces, request, role};
+use super::probe::{Probe, probe};
 use super::quantity::{Side, WiredValue, input};
 use super::wiring::Wiring;
 use super::{SupplierError, told_duration};
@@ -93,15 +93,7 @@ impl SuppliedController {
             logging,
         };
         check_names(description, &role(&wiring, &setting))?;
-        let request = Request {
-            wiring: wiring.clone(),
-            step: sample_time,
-            duration: setting.duration,
-            parameters: entry.parameters.clone().into_iter().collect(),
-            initial: Vec::new(),
-            isolation: isolation(entry),
-        };
-        let probe = probe(fmu, &request);
+        let probe = probe(fmu, &request(&wiring, sample_time, &setting));
         let inputs = wiring.inputs.iter().map(|wire| input(Side::Controller, &wire.name));
         let inputs = inputs.collect();
         let driven = Driven::start(fmu, wiring, &setting, &probe)?;

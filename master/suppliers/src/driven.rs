@@ -4,7 +4,7 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{Causality, ModelDescription};
 use scene::Supplied;
 
-use super::probe::Probe;
+use super::probe::{Probe, Request, isolation};
 use super::wiring::{Wire, Wiring};
 use crate::isolated::isolation_of;
 use cosim::fmu_slave::{CosimulationError, FmuSlave, Role};
@@ -87,6 +87,19 @@ pub(super) struct Setting<'a> {
     pub duration: f64,
     /// True to ask for the FMU's debug messages.
     pub logging: bool,
+}
+
+/// The request for a trial in communication steps of `step` s.
+pub(super) fn request(wiring: &Wiring, step: f64, setting: &Setting<'_>) -> Request {
+    let of_scene = setting.entry.parameters.clone();
+    Request {
+        wiring: wiring.clone(),
+        step,
+        duration: setting.duration,
+        parameters: setting.parameters.iter().cloned().chain(of_scene).collect(),
+        initial: setting.initial.clone(),
+        isolation: isolation(setting.entry),
+    }
 }
 
 /// The role of an FMU behind `wiring`.

@@ -324,14 +324,8 @@ fn controller(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>;
     if let Some(desired) = desired {
         given.push(guess_of("desired_force", desired, "name"));
     }
-    for name in [
-        "velocity",
-        "position",
-        "head_height",
-        "head_velocity",
-        "head_acceleration",
-        "time",
-    ] {
+    let [names, _] = scene::CONTROLLER;
+    for &name in names.iter().filter(|name| !["force", "desired_force"].contains(name)) {
         if let Some(variable) = inputs.named(&[name]) {
             given.push(guess_of(name, variable, "name"));
         }

@@ -4,7 +4,7 @@ use fmi2::import::Fmu;
 use scene::{ParameterValue, Scene, Supplied};
 
 use super::driven::{Driven, Setting, fixed_step, pieces, start_value};
-use super::probe::{Probe, Request, isolation, probe};
+use super::probe::{Probe, probe};
 use super::quantity::{Side, WiredValue, input, output};
 use super::wiring::Wiring;
 use super::{SupplierError, check_step, told_duration};
@@ -146,20 +146,13 @@ impl SuppliedLine {
         let setting = Setting {
             name: "line".to_owned(),
             entry,
-            initial: initial.clone(),
-            parameters: parameters.clone(),
+            initial,
+            parameters,
             duration: told_duration(scene),
             logging,
         };
         cosim::fmu_slave::check_names(fmu.description(), &super::driven::role(&wiring, &setting))?;
-        let request = Request {
-            wiring: wiring.clone(),
-            step: scene.coupling.macro_step,
-            duration: setting.duration,
-            parameters: parameters.into_iter().chain(entry.parameters.clone()).collect(),
-            initial,
-            isolation: isolation(entry),
-        };
+        let request = super::driven::request(&wiring, scene.coupling.macro_step, &setting);
         let probe = probe(fmu, &request);
         let mut supports: Vec<usize> = wiring
             .outputs

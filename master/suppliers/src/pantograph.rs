@@ -4,7 +4,7 @@ use fmi2::import::Fmu;
 use scene::{Offset, Scene, Supplied};
 
 use super::driven::{Driven, Setting, start_value};
-use super::probe::{Probe, Request, isolation, probe};
+use super::probe::{Probe, probe};
 use super::quantity::{Side, WiredValue, input, output};
 use super::velocity::Rate;
 use super::wiring::Wiring;
@@ -75,14 +75,7 @@ impl SuppliedPantograph {
         };
         // The names are checked before anything is tried.
         cosim::fmu_slave::check_names(description, &super::driven::role(&wiring, &setting))?;
-        let request = Request {
-            wiring: wiring.clone(),
-            step: scene.coupling.macro_step,
-            duration: setting.duration,
-            parameters: entry.parameters.clone().into_iter().collect(),
-            initial: Vec::new(),
-            isolation: isolation(entry),
-        };
+        let request = super::driven::request(&wiring, scene.coupling.macro_step, &setting);
         let probe = probe(fmu, &request);
         if probe.effective_mass.is_some_and(|mass| mass < 0.0)
             && let Some(wire) = wiring

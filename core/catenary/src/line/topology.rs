@@ -125,6 +125,13 @@ pub struct SupportPlace {
     pub(crate) is_inner_end: bool,
 }
 
+impl SupportPlace {
+    /// Nodes of the contact wires, then that of the messenger wire.
+    fn carried(&self) -> impl Iterator<Item = NodeOfWire> + '_ {
+        self.contact_wires.iter().copied().chain(self.messenger_wire)
+    }
+}
+
 /// The wires of a line with their nodes, at supports, droppers, clamps and equal divisions between them, and the parts
 /// that join them.
 #[derive(Clone, Debug, PartialEq)]
@@ -291,24 +298,35 @@ impl Topology {
             topology.add_section(section, number);
         }
         let masts = catenary.supports_x();
-        topology.masts = vec![Vec::new(); masts.len()];
-        topology.supports_at = vec![Vec::new(); masts.len()];
-        for (number, support) in topology.supports.iter().enumerate() {
+        let nearest = |support: &SupportPlace| {
             let right = masts.partition_point(|&x| x < support.x).min(masts.len() - 1);
             let nearer = right > 0 && support.x - masts[right - 1] < masts[right] - support.x;
-            let mast = right - usize::from(nearer);
-            topology.masts[mast].extend(&support.contact_wires);
-            topology.supports_at[mast].push(number);
-            if support.section == topology.first_supports.len() {
-                topology.first_supports.push((number, mast));
-            }
-        }
+            right - usize::from(nearer)
+        };
+        let masts_of: Vec<usize> = topology.supports.iter().map(nearest).collect();
+        topology.place_at_masts(&masts_of, (masts.len(), catenary.tension_lengths.len()));
         let last = masts.len() - 1;
         for number in topology.supports_at[1..last].iter().flatten() {
             let support = &mut topology.supports[*number];
             support.is_inner_end = support.is_end;
         }
         topology
+    }
+
+    /// Notes which supports, given with their masts, stand at which of so many masts, and where so many tension lengths
+    /// begin.
+    fn place_at_masts(&mut self, masts_of: &[usize], (masts, sections): (usize, usize)) {
+        self.masts = vec![Vec::new(); masts];
+        self.supports_at = vec![Vec::new(); masts];
+        self.first_supports = vec![(self.supports.len(), 0); sections];
+        for (number, (support, &mast)) in self.supports.iter().zip(masts_of).enumerate() {
+            self.masts[mast].extend(&support.contact_wires);
+            self.supports_at[mast].push(number);
+            let first = &mut self.first_supports[support.section];
+            if number < first.0 {
+                *first = (number, mast);
+            }
+        }
     }
 
     fn add_section(&mut self, section: Section<'_>, number: usize) {

@@ -76,14 +76,13 @@ impl Topology {
             let node = planned.x.binary_search_by(|x| x.total_cmp(&place.x)).ok()?;
             Some(NodeOfWire { wire, node })
         });
-        let carried = place.contact_wires.iter().copied().chain(place.messenger_wire);
-        carried.chain(passing)
+        place.carried().chain(passing)
     }
 
     /// Nodes of wires that end between the first and the last mast.
     pub(crate) fn inner_ends(&self) -> impl Iterator<Item = NodeOfWire> + '_ {
         let places = self.supports.iter().filter(|place| place.is_inner_end);
-        places.flat_map(|place| place.contact_wires.iter().copied().chain(place.messenger_wire))
+        places.flat_map(SupportPlace::carried)
     }
 
     /// Nodes of a wire in some spans (from 0), supports included; empty for a wire that has no element there.
@@ -138,7 +137,7 @@ impl Topology {
             .map_or(self.supports.len(), |next| next.0);
         let places = [&self.supports[first], &self.supports[next - 1]];
         let places = places.into_iter().filter(|place| place.is_inner_end);
-        places.flat_map(|place| place.contact_wires.iter().copied().chain(place.messenger_wire))
+        places.flat_map(SupportPlace::carried)
     }
 
     /// Spans `spans` (from 0), with these bending layers: every wire that passes is cut at the first and at the last
@@ -186,16 +185,6 @@ impl Topology {
             (!own.contact_wires.is_empty()).then_some((own, mast - spans.start))
         });
         let (supports, masts_of): (Vec<SupportPlace>, Vec<usize>) = places.unzip();
-        let mut first_supports = vec![(supports.len(), 0); self.first_supports.len()];
-        let (mut of_masts, mut supports_at) = (vec![Vec::new(); spans.len() + 1], vec![Vec::new(); spans.len() + 1]);
-        for (number, (support, &mast)) in supports.iter().zip(&masts_of).enumerate() {
-            of_masts[mast].extend(&support.contact_wires);
-            supports_at[mast].push(number);
-            let first = &mut first_supports[support.section];
-            if number < first.0 {
-                *first = (number, mast);
-            }
-        }
         let cut: Vec<NodeOfWire> = ends.into_iter().flat_map(|mast| self.nodes_at(mast)).collect();
         let masses = self.masses.iter().filter(|(at, _)| !cut.contains(at));
         let masses = masses.filter_map(|&(at, mass)| Some((here(at)?, mass)));
@@ -211,16 +200,17 @@ impl Topology {
                 ..*place
             })
         });
-        let topology = Self {
+        let mut topology = Self {
             wires,
-            masts: of_masts,
-            supports_at,
-            first_supports,
+            masts: Vec::new(),
+            supports_at: Vec::new(),
+            first_supports: Vec::new(),
             supports,
             droppers: droppers.collect(),
             masses: masses.collect(),
             options: crate::LineOptions { layers, ..self.options },
         };
+        topology.place_at_masts(&masts_of, (spans.len() + 1, self.first_supports.len()));
         Part { topology, origins }
     }
 }

@@ -7,6 +7,16 @@ use crate::support::HOLDING_STIFFNESS;
 use crate::{Dimension, NodeOfWire, PlannedWire, WireName};
 use scene::WireEnds;
 
+/// Coordinates that are held at the end of a wire, and that along the track where the tension is constant; `end` has
+/// the positions first.
+pub(super) fn held_at_end(end: &[usize], wire_ends: WireEnds) -> (&[usize], Option<usize>) {
+    let positions = &end[..end.len() / 2];
+    match wire_ends {
+        WireEnds::Fixed => (positions, None),
+        WireEnds::ConstantTension => (&positions[1..], Some(positions[0])),
+    }
+}
+
 impl Fixed {
     /// Place of the vertical displacement among the coordinates of a node.
     pub(super) fn vertical(&self) -> usize {
@@ -35,15 +45,13 @@ impl Fixed {
 
     /// Holds a wire that ends at a mast which others pass, with these coordinates at its end.
     pub(super) fn hold_inner_end(&self, end: &[usize], grounds: &mut Vec<Ground>, held: &mut Vec<usize>) {
-        held.extend(&end[1..=self.vertical()]);
-        match self.catenary.wire_ends {
-            WireEnds::Fixed => held.push(end[0]),
-            WireEnds::ConstantTension => grounds.push(Ground {
-                index: end[0],
-                stiffness: HOLDING_STIFFNESS,
-                ..Ground::default()
-            }),
-        }
+        let (fixed, along) = held_at_end(end, self.catenary.wire_ends);
+        held.extend(fixed);
+        grounds.extend(along.map(|index| Ground {
+            index,
+            stiffness: HOLDING_STIFFNESS,
+            ..Ground::default()
+        }));
     }
 
     /// Holds a support by its springs, or an end of the modelled line.

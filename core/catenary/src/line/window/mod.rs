@@ -58,10 +58,11 @@ pub(crate) use cut::Source;
 use dynamics::{Blocks, Continuity, Layout, Motion, SparseMatrix, Weights};
 use elongations::Elongations;
 use end_layers::EndLayers;
+use ends::held_at_end;
 use far::{FarField, Member};
 use places::SpanPlaces;
 use plan::{Arrangement, ModeCounts, Plan};
-use scene::{Catenary, Reduction, Scene, WireEnds};
+use scene::{Catenary, Reduction, Scene};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -478,8 +479,7 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let anchored = source.topology.wires().iter();
     let anchored = anchored.filter(|planned| planned.section == 0 && planned.name != WireName::StitchWire);
     let wires: Vec<&scene::Wire> = anchored.map(|planned| &planned.parameters).collect();
-    let lengths = catenary.tension_lengths.iter().flat_map(|length| &length.span_lengths);
-    let longest = lengths.copied().fold(0.0, f64::max);
+    let longest = catenary.all_span_lengths().fold(0.0, f64::max);
     let directions = if source.topology.options().dimension == Dimension::Planar {
         1
     } else {
@@ -609,11 +609,9 @@ fn matrices(source: &Source<'_>, span: usize, elongations: usize) -> SpanMatrice
     let (mut stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
     let mut held = Vec::new();
     for end in &places.ends {
-        held.extend(&end[1..end.len() / 2]);
-        match source.catenary.wire_ends {
-            WireEnds::Fixed => held.push(end[0]),
-            WireEnds::ConstantTension => stiffness.push((end[0] as u32, end[0] as u32, HOLDING_STIFFNESS)),
-        }
+        let (fixed, along) = held_at_end(end, source.catenary.wire_ends);
+        held.extend(fixed);
+        stiffness.extend(along.map(|index| (index as u32, index as u32, HOLDING_STIFFNESS)));
     }
     let mass = Blocks::collect(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
     let matrix = |entries| SparseMatrix::from_entries(size, entries);
