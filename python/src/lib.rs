@@ -5,6 +5,7 @@
 //! | `scene` | a scene with the keys set in it |
 //! | `result` | a run that has ended |
 //! | `simulation` | one system step by step, and its kept states |
+//! | `environment` | environments for learning, one case or many at once |
 //! | `sweep` | many cases of one scene, whole or in batches |
 //! | `interruption` | work without the lock of the interpreter, ended by Ctrl-C |
 //! | `error` | exceptions |
@@ -15,6 +16,7 @@
 
 #![forbid(unsafe_code)]
 
+mod environment;
 mod error;
 mod interruption;
 mod result;
@@ -69,6 +71,8 @@ fn quantiles(text: &str, shares: Vec<f64>) -> PyResult<Vec<f64>> {
 /// The extension module.
 #[pymodule]
 mod _pantoline {
+    #[pymodule_export]
+    use super::environment::{EnvironmentBatch, ForceAim};
     #[pymodule_export]
     use super::error::{RunError, SceneError, SweepError};
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use ::scene::Scene;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -46,6 +47,10 @@ impl Checkpoint {
 #[pyclass(frozen, module = "pantoline._pantoline")]
 pub struct Stepper {
     system: Mutex<SteppedSystem>,
+    /// Scene with its choices resolved.
+    pub(crate) scene: Scene,
+    /// The file in messages.
+    pub(crate) origin: String,
 }
 
 impl Stepper {
@@ -53,7 +58,8 @@ impl Stepper {
         self.system.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn with<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut SteppedSystem) -> T + Send) -> T {
+    /// Works on the system without the lock of the interpreter.
+    pub(crate) fn with<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut SteppedSystem) -> T + Send) -> T {
         py.detach(|| work(&mut self.system()))
     }
 
@@ -73,9 +79,16 @@ impl Stepper {
             .base()
             .scene(&[])
             .map_err(|error| crate::error::of_scene(&error))?;
-        let made = interruptible(py, |_| scene.prepared(resolved).and_then(|prepared| prepared.stepped()))?;
-        let system = Mutex::new(made.map_err(|error| of_setup(&error, &scene.origin))?);
-        Ok(Self { system })
+        let made = interruptible(py, |_| {
+            let prepared = scene.prepared(resolved)?;
+            Ok((prepared.stepped()?, prepared.scene))
+        })?;
+        let (system, resolved) = made.map_err(|error| of_setup(&error, &scene.origin))?;
+        Ok(Self {
+            system: Mutex::new(system),
+            scene: resolved,
+            origin: scene.origin.clone(),
+        })
     }
 
     /// Time, s.

@@ -7,6 +7,7 @@ pub mod base_motion;
 pub mod check;
 pub mod check_page;
 mod controlled;
+pub mod environment;
 mod error;
 pub mod galloping;
 mod horns;
