@@ -1,6 +1,11 @@
 //! Controllers that are FMUs: against the controllers of the program, between the modes, and refused where they do not
 //! fit.
 use component::Component;
+use control::{Asked, Reading, Rule};
+use cosim::slave::SlaveError;
+use dynamics::OutsideError;
+use fmi2::instance::InstanceError;
+use fmi2::isolation::IsolationError;
 use integration_tests::fmus::tree;
 use integration_tests::installed::Program;
 use integration_tests::python::{self, environment};
@@ -11,6 +16,7 @@ use simulation::{Mode, prepare};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
+use system::one_system::stepped::{SteppedState, SteppedSystem};
 use vehicle::Subsystem;
 
 /// Three spans of the reference model on a coarse mesh.
@@ -346,15 +352,129 @@ fn what_is_no_controller_is_refused_with_key_and_remedy() {
     }
 }
 
+/// The scene step by step.
+fn stepped(keys: &[String]) -> SteppedSystem {
+    let prepared = prepare(short(keys), "stepped", Path::new("."), false).unwrap();
+    prepared.stepped().unwrap()
+}
+
+/// Advances by `count` steps; the force of the contact and the command at their ends.
+fn advanced(system: &mut SteppedSystem, count: usize) -> Vec<[u64; 2]> {
+    let place = |name: &str| system.signals().iter().position(|signal| signal.name == name).unwrap();
+    let [force, command] = ["contact[1].force", "pantograph[1].control.force"].map(place);
+    let mut seen = Vec::new();
+    for _ in 0..count {
+        system.advance().unwrap();
+        seen.push([force, command].map(|signal| system.value(signal).to_bits()));
+    }
+    seen
+}
+
 #[test]
-fn a_controller_is_refused_where_commands_come_from_the_program_that_steps() {
+fn a_stepped_simulation_asks_the_controller_as_a_run_does_and_goes_back_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let fmu = Controller::new().write(folder.path(), "pid");
-    let prepared = prepare(short(&commanded(&fmu, 0.005, "")), "stepped", Path::new("."), false).unwrap();
-    let Err(error) = prepared.stepped() else {
-        panic!("is not refused");
+    for more in ["", ", isolate=true, step_timeout=30"] {
+        let keys = commanded(&fmu, 0.005, more);
+        let mut system = stepped(&keys);
+        let all = advanced(&mut system, 400);
+        if more.is_empty() {
+            let expected = run(short(&keys), Mode::Monolithic, "controller-stepped");
+            let step = (expected.record.time[1] - expected.record.time[0]) / system.macro_step();
+            let step = step.round() as usize;
+            let recorded: Vec<u64> = expected.record.pantographs[0]
+                .force
+                .iter()
+                .map(|f| f.to_bits())
+                .collect();
+            let found: Vec<u64> = all.iter().skip(step - 1).step_by(step).map(|seen| seen[0]).collect();
+            assert!(recorded[1..].starts_with(&found), "the bits of the run");
+        }
+        // To a kept state of this system and of another one in place of this, which stands elsewhere.
+        system.reset().unwrap();
+        assert!(advanced(&mut system, 123) == all[..123]);
+        let mut kept = SteppedState::default();
+        system.save(&mut kept);
+        assert!(advanced(&mut system, 100) == all[123..223]);
+        system.restore(&kept).unwrap();
+        assert!(advanced(&mut system, 100) == all[123..223]);
+        let mut other = stepped(&keys);
+        advanced(&mut other, 7);
+        other.restore(&kept).unwrap();
+        assert!(advanced(&mut other, 100) == all[123..223]);
+        let given = system
+            .signals()
+            .iter()
+            .find(|signal| signal.name == "pantograph[1].control.force");
+        assert!(!given.unwrap().settable, "commands are those of the FMU");
+    }
+}
+
+#[test]
+fn a_stepped_simulation_goes_on_but_not_back_with_a_controller_that_keeps_no_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new()
+        .saying("canGetAndSetFMUstate=\"true\"", "canGetAndSetFMUstate=\"false\"")
+        .write(folder.path(), "pid");
+    let keys = commanded(&fmu, 0.005, "");
+    let mut system = stepped(&keys);
+    system.reset().unwrap();
+    let all = advanced(&mut system, 30);
+    let mut kept = SteppedState::default();
+    system.save(&mut kept);
+    let error = system.reset().unwrap_err();
+    let text = cosim::chain(&error);
+    assert!(
+        text.contains("pantograph[1]") && text.contains("canGetAndSetFMUstate"),
+        "{text}"
+    );
+    // Another one goes on to where this one was.
+    let mut other = stepped(&keys);
+    assert!(advanced(&mut other, 11) == all[..11]);
+    other.restore(&kept).unwrap();
+    let more = advanced(&mut other, 20);
+    let mut whole = stepped(&keys);
+    assert!(advanced(&mut whole, 50)[30..] == more);
+}
+
+#[test]
+fn a_controller_that_lost_its_process_is_told_as_that_in_one_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = Controller::new().write(folder.path(), "pid");
+    let lost = || {
+        let gone = IsolationError::Gone {
+            instance: "controller 1".to_owned(),
+        };
+        let source = Box::new(InstanceError::Isolation(gone));
+        OutsideError::new(SlaveError::Step {
+            slave: "controller 1".to_owned(),
+            t: 0.1,
+            h: 0.005,
+            retryable: false,
+            source,
+        })
     };
-    assert!(error.to_string().contains("controller: must be left out"), "{error}");
+    struct Dying<F>(F);
+    impl<F: Fn() -> OutsideError + Send> Rule for Dying<F> {
+        fn command(&mut self, _: i64, _: &Reading, _: f64) -> Result<f64, OutsideError> {
+            Err((self.0)())
+        }
+        fn asked(&self) -> Asked {
+            Asked::default()
+        }
+        fn ask_again(&mut self, _: &Asked) -> Result<(), OutsideError> {
+            Ok(())
+        }
+    }
+    let mut system = stepped(&commanded(&fmu, 0.005, ""));
+    system.command_by(0, Box::new(Dying(lost)));
+    let error = system.advance().unwrap_err();
+    let text = cosim::chain(&error);
+    assert!(
+        text.contains("no command of the controller at t = 0 s") && text.contains("controller 1"),
+        "{text}"
+    );
+    assert!(simulation::lost_a_process(&error), "{text}");
 }
 
 #[test]

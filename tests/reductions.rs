@@ -544,6 +544,32 @@ fn a_linkage_is_its_one_motion_where_the_joints_hold_the_strip() {
     }
 }
 
+/// As above, with a drive: its force does work on the one motion alone.
+#[test]
+fn a_controlled_linkage_is_its_one_motion() {
+    let run = |words: &str| {
+        let reduce = format!("model.reduce={words}");
+        let overrides = [
+            "catenary.spans=5",
+            "run.duration=2.5",
+            "run.evaluate={time=[0.3,2.4]}",
+            &reduce,
+            "pantograph[1].control={ law=\"skyhook\", sample_time=0.005, damping=1000, \
+             actuator={ lag=0.01, limit=80 }, sensors={ delay=0.001 } }",
+        ];
+        run(scene_with(THESIS, &overrides), Mode::Monolithic, "reductions")
+    };
+    let (full, reduced) = (run("none"), run("[\"linkage\"]"));
+    let difference = reduced.raw_difference(&full);
+    println!("{difference} N of sigma {} N", full.sigma());
+    assert!(difference < 1e-3 * full.sigma(), "{difference} N");
+    let largest = |run: &Run| {
+        let forces = run.record.pantographs[0].control.as_ref().unwrap().iter();
+        forces.fold(0.0_f64, |most, force| most.max(force.abs()))
+    };
+    assert!(largest(&full) > 10.0 && (largest(&full) - largest(&reduced)).abs() < 0.1);
+}
+
 #[test]
 fn auto_reduces_a_linkage_and_says_why() {
     let scene = scene_with(THESIS, &[]);

@@ -125,8 +125,9 @@ impl EnvironmentBatch {
                 }
                 let resolved = base.scene(&cases[case])?;
                 let prepared = prepare_on(&lines, resolved, &scene.name, &scene.folder, false)?;
+                let resolved = prepared.scene.clone();
                 let system = prepared.stepped()?;
-                let aim = environment::ForceAim::new(&prepared.scene, &system, pantograph, effort)?;
+                let aim = environment::ForceAim::new(&resolved, &system, pantograph, effort)?;
                 Ok((system, aim))
             })
         })?;

@@ -81,7 +81,8 @@ impl Stepper {
             .map_err(|error| crate::error::of_scene(&error))?;
         let made = interruptible(py, |_| {
             let prepared = scene.prepared(resolved)?;
-            Ok((prepared.stepped()?, prepared.scene))
+            let resolved = prepared.scene.clone();
+            Ok((prepared.stepped()?, resolved))
         })?;
         let (system, resolved) = made.map_err(|error| of_setup(&error, &scene.origin))?;
         Ok(Self {

@@ -1,6 +1,6 @@
 //! Samples, delays and noise around a rule and a drive.
 
-use dynamics::{SplitMix64, StepError};
+use dynamics::{OutsideError, SplitMix64, StepError};
 use serde::{Deserialize, Serialize};
 
 use crate::actuator::{Drive, DriveState};
@@ -36,8 +36,21 @@ pub trait Rule: Send {
     ///
     /// # Errors
     /// The reason why there is no command.
-    fn command(&mut self, number: i64, shown: &Reading, desired: f64) -> Result<f64, String>;
+    fn command(&mut self, number: i64, shown: &Reading, desired: f64) -> Result<f64, OutsideError>;
+
+    /// What it has been asked since the start, from which its state follows.
+    fn asked(&self) -> Asked;
+
+    /// Goes back, or on, to the state after these questions.
+    ///
+    /// # Errors
+    /// A rule that cannot go there.
+    fn ask_again(&mut self, asked: &Asked) -> Result<(), OutsideError>;
 }
+
+/// Numbers that say what a rule has been asked since the start.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Asked(pub Vec<f64>);
 
 /// State of a [`Controller`] between two steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -102,7 +115,15 @@ impl Controller {
         self.rule = Some(rule);
     }
 
-    /// The state, to be kept and gone back to.
+    /// The rule in place of commands from outside.
+    pub fn rule(&mut self) -> Option<&mut dyn Rule> {
+        match &mut self.rule {
+            Some(rule) => Some(&mut **rule),
+            None => None,
+        }
+    }
+
+    /// The state, to be kept and gone back to; without that of a rule from outside.
     #[must_use]
     pub fn state(&self) -> ControllerState {
         self.state
@@ -199,7 +220,7 @@ impl Controller {
         self.disturb(number);
         if let Some(rule) = &mut self.rule {
             let command = rule.command(number, &self.shown, self.desired);
-            self.state.given = command.map_err(|reason| StepError::NoCommand { t, reason })?;
+            self.state.given = command.map_err(|source| StepError::NoCommand { t, source })?;
         }
         let drive = KnownDrive {
             force: self.force(t),

@@ -27,7 +27,7 @@ mod stability;
 
 pub use actuator::{Drive, DriveState};
 pub use advance::{Channel, Ended, Moment, advance};
-pub use controller::{Controller, ControllerState, Reading, Rule};
+pub use controller::{Asked, Controller, ControllerState, Reading, Rule};
 pub use linear::LinearPantograph;
 pub use riccati::NoGains;
 pub use samples::Samples;

@@ -77,8 +77,8 @@ pub use energy_balance::EnergyBalance;
 pub use followed_input::{FollowedInput, MAX_ORDER};
 pub use force::{Force, Power, Weights};
 pub use integrate::{
-    Checkpoint, Counters, Formulation, GeneralizedAlpha, Jacobian, NewtonOptions, Simulator, StaticOptions,
-    StaticReport, StepError, solve_static,
+    Checkpoint, Counters, Formulation, GeneralizedAlpha, Jacobian, NewtonOptions, OutsideError, Simulator,
+    StaticOptions, StaticReport, StepError, solve_static,
 };
 pub use layout::Layout;
 pub use linear::eigen;

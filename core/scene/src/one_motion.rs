@@ -131,11 +131,6 @@ impl Scene {
         if linkages.is_empty() {
             return Some("no pantograph is a linkage".to_owned());
         }
-        let controlled = |index: &usize| self.pantographs[*index].control.is_some();
-        if let Some(index) = linkages.iter().map(|(index, _)| *index).find(controlled) {
-            let why = "has control, which drives the linkage beside its constant force";
-            return Some(format!("pantograph[{}] {why}", index + 1));
-        }
         if self.vehicle.is_some() {
             return Some("its base moves with the vehicle, and the one motion is that on a base at rest".to_owned());
         }

@@ -264,11 +264,7 @@ impl Entry for Connection {
             "factor",
             "Factor between the FMU's value and ours; left out, the units of both sides say it.",
         ),
-        (
-            "offset",
-            "Offset after the factor; `\"align\"` on a pantograph's output `height` puts the strip's start on the \
-             wire.",
-        ),
+        ("offset", "Offset after the factor."),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -284,8 +280,17 @@ impl Entry for Connection {
                 Some(Offset::Align) => align(keys, Some(Offset::Align)),
                 Some(Offset::Value(value)) => Offset::Value(keys.number("offset", Some(value), Number::any(""))),
                 None if keys.describes() => {
-                    align(keys, None);
-                    Offset::Value(keys.number("offset", None, Number::any("").default(0.0)))
+                    let sentences = if keys.is_table("pantograph.outputs") {
+                        ALIGNED
+                    } else {
+                        &[]
+                    };
+                    keys.with(sentences, |keys| {
+                        if !sentences.is_empty() {
+                            align(keys, None);
+                        }
+                        Offset::Value(keys.number("offset", None, Number::any("").default(0.0)))
+                    })
                 }
                 None if keys.holds_text("offset") => align(keys, None),
                 None => Offset::Value(keys.number("offset", None, Number::any("").default(0.0))),
@@ -293,6 +298,12 @@ impl Entry for Connection {
         }
     }
 }
+
+/// Offset of the outputs of a pantograph.
+const ALIGNED: Sentences = &[(
+    "offset",
+    "Offset after the factor; `\"align\"` on the output `height` puts the strip's start on the wire.",
+)];
 
 /// `offset = "align"`.
 fn align(keys: &mut Keys, was: Option<Offset>) -> Offset {

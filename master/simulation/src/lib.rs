@@ -445,18 +445,17 @@ impl Prepared {
     ///
     /// # Errors
     /// A scene that is no one system; see [`SetupError`].
-    pub fn stepped(&self) -> Result<SteppedSystem, SetupError> {
-        if !self.scene.controllers.is_empty() {
-            let what = "controller: must be left out of a simulation that is stepped from outside, which gives the \
-                        commands itself: pantograph[i].control.force";
-            return Err(SetupError::NotAvailable(what.to_owned()));
-        }
+    pub fn stepped(mut self) -> Result<SteppedSystem, SetupError> {
+        let controllers = std::mem::take(&mut self.controllers);
         let statics = self.statics_of_one_system()?;
-        Ok(SteppedSystem::new(
-            &self.scene,
-            statics,
-            &evaluated_supports(&self.scene),
-        )?)
+        let mut stepped = SteppedSystem::new(&self.scene, statics, &evaluated_supports(&self.scene))?;
+        for (index, controller) in controllers.into_iter().enumerate() {
+            if let Some(mut controller) = controller {
+                controller.keep_history()?;
+                stepped.command_by(index, Box::new(controller));
+            }
+        }
+        Ok(stepped)
     }
 
     fn run_as_one<E: From<SetupError>>(

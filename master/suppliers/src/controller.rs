@@ -1,7 +1,8 @@
 //! Supplied FMU as the rule of a controlled drive.
 
 use component::exchange::instrument;
-use control::{Reading, Rule, Samples};
+use control::{Asked, Reading, Rule, Samples};
+use dynamics::OutsideError;
 use fmi2::import::Fmu;
 use scene::{Scene, Supplied};
 
@@ -54,8 +55,21 @@ pub struct SuppliedController {
     /// True where the FMU goes back as soon as it has to.
     returning: bool,
     can_return: bool,
+    /// Samples asked for since the start, number and readings of each, where they are kept.
+    history: Option<Vec<f64>>,
     probe: Probe,
 }
+
+/// Numbers of a sample in a history.
+const PER_SAMPLE: usize = 1 + instrument::COUNT;
+
+/// A state that lies before samples that have been answered, of an FMU that does not go back.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "it cannot go back to an earlier state (canGetAndSetFMUstate is false, or did not work in its trial): a simulation \
+     made anew begins at the start"
+)]
+struct NoReturn;
 
 impl SuppliedController {
     /// Wires, tries, instantiates and initialises the FMU of controller `index` (from 0); what `entry` leaves open is
@@ -108,6 +122,7 @@ impl SuppliedController {
             saved: false,
             answered: 0,
             returning: false,
+            history: None,
             probe,
         })
     }
@@ -163,6 +178,10 @@ impl SuppliedController {
                 source: Box::new(Past { number, last }),
             });
         }
+        if let Some(asked) = &mut self.history {
+            asked.push(number as f64);
+            asked.extend_from_slice(shown);
+        }
         let inputs = &self.inputs;
         self.driven.set(0, |wire| match inputs[wire] {
             WiredValue::Entry(entry, sign) => sign * shown[entry],
@@ -179,6 +198,39 @@ impl SuppliedController {
         });
         self.answered += 1;
         Ok(command)
+    }
+
+    /// Keeps what is asked from here on, so that it can go back to any state since: its state at the start is saved
+    /// where it can be, and the questions are put again.
+    ///
+    /// # Errors
+    /// Error reported by the FMU.
+    pub fn keep_history(&mut self) -> Result<(), SlaveError> {
+        if self.can_return {
+            self.driven.save()?;
+        }
+        self.history = Some(Vec::new());
+        Ok(())
+    }
+
+    /// Goes to the state after the questions `asked`.
+    fn repeat(&mut self, asked: &[f64]) -> Result<(), OutsideError> {
+        let history = self.history.as_deref().unwrap_or_default();
+        let mut from = history.len();
+        if !asked.starts_with(history) {
+            if !self.can_return {
+                return Err(OutsideError::new(NoReturn));
+            }
+            self.driven.restore().map_err(OutsideError::new)?;
+            (self.last, self.answered, from) = (None, 0, 0);
+            self.history = Some(Vec::new());
+        }
+        for question in asked[from..].chunks_exact(PER_SAMPLE) {
+            let mut shown = [0.0; instrument::COUNT];
+            shown.copy_from_slice(&question[1..]);
+            SuppliedController::command(self, question[0] as i64, &shown).map_err(OutsideError::new)?;
+        }
+        Ok(())
     }
 
     /// The answer to the last sample, where it is the same again.
@@ -225,8 +277,16 @@ impl SuppliedController {
 }
 
 impl Rule for SuppliedController {
-    fn command(&mut self, number: i64, shown: &Reading, desired: f64) -> Result<f64, String> {
+    fn command(&mut self, number: i64, shown: &Reading, desired: f64) -> Result<f64, OutsideError> {
         let shown = vehicle::instruments(shown, desired);
-        SuppliedController::command(self, number, &shown).map_err(|error| cosim::chain(&error))
+        SuppliedController::command(self, number, &shown).map_err(OutsideError::new)
+    }
+
+    fn asked(&self) -> Asked {
+        Asked(self.history.clone().unwrap_or_default())
+    }
+
+    fn ask_again(&mut self, asked: &Asked) -> Result<(), OutsideError> {
+        self.repeat(&asked.0)
     }
 }

@@ -32,6 +32,6 @@ pub(crate) mod workspace;
 
 pub use formulation::Formulation;
 pub use generalized_alpha::GeneralizedAlpha;
-pub use newton::{Counters, Jacobian, NewtonOptions, StepError};
+pub use newton::{Counters, Jacobian, NewtonOptions, OutsideError, StepError};
 pub use simulator::{Checkpoint, Simulator};
 pub use statics::{StaticOptions, StaticReport, solve_static};

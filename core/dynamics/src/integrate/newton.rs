@@ -1,6 +1,9 @@
 //! Options, errors and work counters of Newton's method.
 use crate::{Formulation, System};
 use serde::{Deserialize, Serialize};
+use std::error::Error;
+use std::fmt;
+use std::sync::Arc;
 
 /// Occasions for a new iteration matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -48,6 +51,36 @@ impl NewtonOptions {
         } else {
             self.constraint_tolerance
         }
+    }
+}
+
+/// Error of a part that is not of this program, such as an FMU; its kind is found by downcasting its sources.
+#[derive(Clone, Debug)]
+pub struct OutsideError(Arc<dyn Error + Send + Sync>);
+
+impl OutsideError {
+    /// An error of a part outside.
+    pub fn new(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self(Arc::from(error.into()))
+    }
+}
+
+impl fmt::Display for OutsideError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Error for OutsideError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.0.source()
+    }
+}
+
+/// The same error, not one with the same text.
+impl PartialEq for OutsideError {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
     }
 }
 
@@ -101,12 +134,13 @@ pub enum StepError {
         micro_step: f64,
     },
     /// A controller outside of the system gives no command.
-    #[error("no command of the controller at t = {t} s: {reason}")]
+    #[error("no command of the controller at t = {t} s")]
     NoCommand {
         /// Time of the sample, s.
         t: f64,
-        /// Message of the controller.
-        reason: String,
+        /// Error of the controller.
+        #[source]
+        source: OutsideError,
     },
     /// A saved state is of another system, or damaged.
     #[error("the saved state is not of this system: it has {found} {what}, must have {expected}")]

@@ -97,6 +97,11 @@ impl Keys<'_> {
         matches!(self.side, Side::Describe(_))
     }
 
+    /// True in the table with this path.
+    pub(crate) fn is_table(&self, path: &str) -> bool {
+        self.path == path
+    }
+
     pub(super) fn may_be_left_out(&mut self, name: &str) {
         if let Side::Describe(describing) = &mut self.side {
             describing.optional.push(name.to_owned());

@@ -6,8 +6,8 @@ use std::mem::swap;
 use catenary::StaticLine;
 use component::Point;
 use component::exchange::{contact, strip, support};
-use control::ControllerState;
-use dynamics::{Checkpoint, StepError};
+use control::{Asked, ControllerState, Rule};
+use dynamics::{Checkpoint, OutsideError, StepError};
 use scene::{ControlLaw, Scene};
 use serde::{Deserialize, Serialize};
 use vehicle::{Air, WIND_INPUTS};
@@ -94,6 +94,15 @@ pub enum SteppedError {
     /// Another system's state.
     #[error("the state is of another system: must be one that a simulation of the same scene has kept")]
     OtherSystem,
+    /// A controller from outside that does not go to another state.
+    #[error("the controller of pantograph[{pantograph}]")]
+    Rule {
+        /// From 1.
+        pantograph: usize,
+        /// Reason.
+        #[source]
+        source: OutsideError,
+    },
 }
 
 /// State of a [`SteppedSystem`], from which it goes on bit for bit.
@@ -107,6 +116,8 @@ pub struct SteppedState {
     outputs: [Vec<f64>; 2],
     uplift: Vec<f64>,
     controllers: Vec<ControllerState>,
+    /// What the controllers from outside have been asked, one entry for each controller; none where all are inside.
+    asked: Vec<Asked>,
     simulator: Checkpoint,
 }
 
@@ -217,6 +228,20 @@ impl SteppedSystem {
         Ok(stepped)
     }
 
+    /// Takes the commands of pantograph `index` (from 0) from a rule, which is at its start: before the first step.
+    pub fn command_by(&mut self, index: usize, rule: Box<dyn Rule>) {
+        let control = &self.whole.control;
+        let place = control.pantographs.iter().position(|&own| own == index);
+        for signal in &mut self.signals {
+            if place.is_some_and(|place| signal.at == At::Command(place)) {
+                signal.settable = false;
+                "Force that the controller has commanded at its last sample".clone_into(&mut signal.description);
+            }
+        }
+        self.whole.command_by(index, rule);
+        self.start.asked = vec![Asked::default(); self.whole.control.channels.len()];
+    }
+
     /// Time reached, s.
     #[must_use]
     pub fn time(&self) -> f64 {
@@ -309,6 +334,14 @@ impl SteppedSystem {
         simulator.save(&mut state.simulator);
         state.controllers.clear();
         state.controllers.extend(self.whole.control.states());
+        state.asked.clear();
+        let channels = &mut self.whole.control.channels;
+        if channels.iter_mut().any(|channel| channel.controller.rule().is_some()) {
+            let rules = channels.iter_mut().map(|channel| channel.controller.rule());
+            state
+                .asked
+                .extend(rules.map(|rule| rule.map_or_else(Asked::default, |rule| rule.asked())));
+        }
     }
 
     /// Goes back, or on, to a kept state.
@@ -319,11 +352,20 @@ impl SteppedSystem {
         if state.scene != self.scene {
             return Err(SteppedError::OtherSystem);
         }
+        let control = &mut self.whole.control;
+        self.failed = true;
+        for ((channel, &index), asked) in control.channels.iter_mut().zip(&control.pantographs).zip(&state.asked) {
+            if let Some(rule) = channel.controller.rule() {
+                rule.ask_again(asked).map_err(|source| SteppedError::Rule {
+                    pantograph: index + 1,
+                    source,
+                })?;
+            }
+        }
         let simulator = &mut self.whole.simulator;
         for (pantograph, &force) in simulator.system.pantographs.iter_mut().zip(&state.uplift) {
             pantograph.set_uplift_force(force);
         }
-        self.failed = true;
         simulator.restore(&state.simulator)?;
         let whole = &mut simulator.system;
         whole.slackening.restart(whole.line.elongations());

@@ -221,6 +221,11 @@ impl Linkage {
         self.orientations[body]
     }
 
+    /// Point where the raising force acts.
+    pub(super) fn uplift_marker(&self) -> &BodyMarker {
+        &self.uplift.marker
+    }
+
     /// The state of the mechanism alone, from an equilibrium.
     #[cfg(test)]
     pub(crate) fn local_state(&self, equilibrium: &Equilibrium) -> State {

@@ -1,6 +1,7 @@
 //! The linkage reduced to the two motions that joints leave free: the one motion of the mechanism and the collector
 //! suspension.
 mod curve;
+mod drive;
 mod force;
 mod one_motion;
 mod plane;
@@ -13,8 +14,11 @@ use super::equilibrium::{Equilibrium, Offsets, Target};
 use super::interface::Pantograph;
 use super::linkage::Linkage;
 use crate::error::Irreducible;
+use crate::multibody::BodyMarker;
 use crate::{Base, Travelling, VehicleError};
+use control::Reading;
 use curve::{MotionCurve, Node, Path};
+use drive::ReducedDrive;
 use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector2, Vector3};
 pub(crate) use one_motion::ReducedStrip;
@@ -58,6 +62,7 @@ pub(crate) struct ReducedLinkage {
     bodies: Vec<Arc<MotionCurve<3>>>,
     /// Forces of the air; no part of the balance in the reference position.
     air: AirForces,
+    drive: Option<ReducedDrive>,
 }
 
 impl ReducedLinkage {
@@ -118,6 +123,7 @@ impl ReducedLinkage {
             start: [0.0; 2],
             bodies: bodies.map(Arc::new).collect(),
             air: AirForces::default(),
+            drive: None,
             full,
         };
         reduced.balance();
@@ -158,6 +164,24 @@ impl ReducedLinkage {
             arm: orientation * self.full.head().markers[strip].offset,
             y: self.motion.y,
             axes: self.motion.axes,
+        }
+    }
+
+    /// A point of a body of the mechanism in the frame of the base.
+    fn point_of(&self, marker: &BodyMarker) -> ReducedPoint {
+        // Alone in a layout, the mechanism counts orientations from 0, like bodies.
+        let (number, head) = (marker.pose.orientation, self.full.strip_body());
+        let orientation = self.full.orientation(number);
+        ReducedPoint {
+            path: if number == head {
+                PointPath::StripBody(Arc::clone(&self.motion))
+            } else {
+                PointPath::Follower(Arc::clone(&self.bodies[number - usize::from(number > head)]))
+            },
+            coordinate: self.offsets.coordinate,
+            arm: orientation * marker.offset,
+            y: marker.pose.reference.y,
+            axes: orientation.to_rotation_matrix() * marker.axes,
         }
     }
 
@@ -249,6 +273,9 @@ impl ReducedLinkage {
 impl Pantograph for ReducedLinkage {
     fn parts(&mut self, visit: &mut PartVisitor<'_>) {
         visit("pantograph", self);
+        if let Some(drive) = &mut self.drive {
+            visit("pantograph", drive);
+        }
         for air in self.air.as_mut_slice() {
             visit("wind_pantograph", air);
         }
@@ -263,22 +290,10 @@ impl Pantograph for ReducedLinkage {
         let head = self.full.strip_body();
         for surface in &air.surfaces {
             for (marker, area) in self.full.points_of(surface) {
-                // Alone in a layout, the mechanism counts orientations from 0, like bodies.
-                let number = marker.pose.orientation;
-                let orientation = self.full.orientation(number);
-                let point = ReducedPoint {
-                    path: if number == head {
-                        PointPath::StripBody(Arc::clone(&self.motion))
-                    } else {
-                        PointPath::Follower(Arc::clone(&self.bodies[number - usize::from(number > head)]))
-                    },
-                    coordinate: self.offsets.coordinate,
-                    arm: orientation * marker.offset,
-                    y: marker.pose.reference.y,
-                    axes: orientation.to_rotation_matrix() * marker.axes,
-                };
+                let point = self.point_of(&marker);
                 let law = AerodynamicLaw::Polar(surface.polar(area));
-                forces.push(air.force(AirMarker::Reduced(point), base, law), number == head);
+                let on_head = marker.pose.orientation == head;
+                forces.push(air.force(AirMarker::Reduced(point), base, law), on_head);
             }
         }
         self.air = forces;
@@ -424,6 +439,19 @@ impl Pantograph for ReducedLinkage {
 
     fn uplift_force(&self) -> f64 {
         self.uplift_force
+    }
+
+    fn drive_by(&mut self, _: Option<usize>, input: usize) -> bool {
+        let point = self.point_of(self.full.uplift_marker());
+        self.drive = Some(ReducedDrive { point, input });
+        true
+    }
+
+    fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
+        if let Some(drive) = &self.drive {
+            let frame = drive.point.frame(motion);
+            (reading.driven, reading.driven_place) = (frame.velocity.z, frame.position.z);
+        }
     }
 
     fn static_force(&self) -> f64 {

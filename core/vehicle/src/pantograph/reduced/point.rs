@@ -37,6 +37,10 @@ struct PointPosition {
     turn: Turn,
     /// `∂φ/∂σ`
     turning: f64,
+    /// `∂²φ/∂σ²`
+    bending: f64,
+    /// `∂²z/∂σ²` of the centre of mass; its other second derivatives are 0.
+    rising: f64,
 }
 
 impl ReducedPoint {
@@ -51,6 +55,8 @@ impl ReducedPoint {
                     by_zeta: Vector2::zeros(),
                     turn: Turn::by(phi[0]),
                     turning: phi[1],
+                    bending: phi[2],
+                    rising: z[2],
                 }
             }
             PointPath::StripBody(motion) => {
@@ -61,9 +67,18 @@ impl ReducedPoint {
                     by_zeta: Vector2::new(place.x_zeta, 1.0),
                     turn: place.turn,
                     turning: place.phi[1],
+                    bending: place.phi[2],
+                    rising: 0.0,
                 }
             }
         }
+    }
+
+    /// `∂²z/∂σ²`; the other second derivatives of the height are 0.
+    pub(super) fn height_curvature(&self, motion: &Motion<'_>) -> f64 {
+        let place = self.place(motion);
+        let arm = self.arm(&place);
+        place.rising + quarter(arm).y * place.bending - arm.y * place.turning * place.turning
     }
 
     /// The arm in the plane, turned.

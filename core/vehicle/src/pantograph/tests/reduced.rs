@@ -2,9 +2,10 @@
 use super::linkage::StripSpring;
 use super::thesis::thesis;
 use super::{AtRest, GRAVITY};
-use crate::check::{assert_law, dense};
+use crate::check::{assert_driven, assert_law, assert_tangent, dense};
 use crate::pantograph::{Linkage, Pantograph, ReducedLinkage};
 use crate::{PantographModel, Placement, VehicleError};
+use control::Reading;
 use dynamics::{GeneralizedAlpha, Layout, Marker, NewtonOptions, State, rotation};
 use nalgebra::{DVector, Matrix2, Vector3};
 
@@ -163,6 +164,42 @@ fn forces_have_their_tangent_and_potential() {
         for q in [[0.3, 0.06], [-0.8, -0.2]] {
             let at = state(&layout, q, [0.0; 2]);
             assert_law(&mut reduced, &layout, &at);
+        }
+    }
+}
+
+/// State with the force of the drive as its only input.
+const DRIVE: [f64; 1] = [70.0];
+
+#[test]
+fn the_drive_acts_on_the_point_of_the_full_mechanism_and_has_its_tangent() {
+    for entry in both() {
+        let (mut reduced, layout) = reduced(&entry);
+        let mut full = full(&entry);
+        assert!(reduced.drive_by(None, 0) && full.drive_by(None, 0));
+        for (q, v) in [([0.3, 0.06], [2.0, -0.4]), ([-0.8, -0.2], [-1.0, 1.5])] {
+            let at = state(&layout, q, v);
+            let same = in_full(&reduced, &layout, &at);
+            let [mut ours, mut theirs] = [Reading::default(), Reading::default()];
+            reduced.read(&at.motion(&DRIVE), &mut ours);
+            full.read(&same.motion(&DRIVE), &mut theirs);
+            assert!((ours.driven_place - theirs.driven_place).abs() < 1e-10);
+            assert!(
+                (ours.driven - theirs.driven).abs() < 1e-8,
+                "{} {}",
+                ours.driven,
+                theirs.driven
+            );
+            let mut drives = 0;
+            reduced.parts(&mut |_, force| {
+                if let Some(power) = force.power(&at.motion(&DRIVE)).filter(|power| power.driven != 0.0) {
+                    assert!((power.driven - DRIVE[0] * theirs.driven).abs() < 1e-6);
+                    assert_tangent(force, &layout, &at, &DRIVE);
+                    assert_driven(force, &at, &DRIVE);
+                    drives += 1;
+                }
+            });
+            assert_eq!(drives, 1);
         }
     }
 }
