@@ -264,6 +264,33 @@ fn commands_from_outside_do_what_the_same_rule_inside_does() {
 }
 
 #[test]
+fn a_loop_that_runs_away_is_told_before_and_after_and_its_results_are_kept() {
+    let away = short(
+        Mode::Monolithic,
+        "{ law=\"pid\", sample_time=0.02, kp=8, actuator={ limit=400 } }",
+    );
+    let notes = away.summary.notes.join("\n");
+    for said in [
+        "pantograph[1].control: the loop is unstable",
+        "at its limit",
+        "has run away",
+        "smaller gains",
+    ] {
+        assert!(notes.contains(said), "nothing about {said:?}: {notes}");
+    }
+    assert!(
+        away.summary.complete && away.record.time.len() > 1000,
+        "results are kept"
+    );
+    let calm = short(Mode::Monolithic, "{ law=\"skyhook\", sample_time=0.005, damping=100 }");
+    let notes = calm.summary.notes.join("\n");
+    assert!(
+        !notes.contains("run away") && notes.contains("the loop is stable"),
+        "{notes}"
+    );
+}
+
+#[test]
 fn control_makes_the_force_on_the_thesis_line_steadier() {
     let line = include_str!("../scenes/thesis-lumped.toml");
     let sigma = |control: Option<&str>| {

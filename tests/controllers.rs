@@ -209,6 +209,8 @@ fn check_names_the_controller_and_its_wiring() {
         "F_desired [N] = desired_force [N]",
         "command [N] = u [N]",
         "pantograph 1: commands from FMU",
+        "linear theory does not know the rule of controller[1]",
+        "a longer pantograph[1].control.sensors.delay",
     ] {
         assert!(told.contains(said), "nothing about {said:?}:\n{told}");
     }

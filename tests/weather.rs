@@ -3,8 +3,11 @@ use std::f64::consts::{PI, TAU};
 
 use catenary::{LineOptions, StaticLine, WireName, static_line};
 use integration_tests::runs::scene_with;
+use results::OutputDirectory;
 use scene::{Scene, WireKind};
 use simulation::check::Report;
+use simulation::galloping::Galloping;
+use std::sync::atomic::AtomicBool;
 use system::galloping::{Ends, Trial, criteria};
 
 const TRAM: &str = include_str!("../scenes/tram-single-wire.toml");
@@ -369,6 +372,48 @@ fn the_limit_cycle_of_a_span_takes_from_the_wind_what_its_damping_costs() {
         "{} m, {expected} m",
         motion.amplitude
     );
+}
+
+#[test]
+fn the_page_of_galloping_has_growth_path_and_criteria() {
+    let asked = Galloping {
+        speeds: Vec::new(),
+        amplitude: 0.01,
+        duration: 20.0,
+    };
+    let scene = windy(&polar(-2.8, 12.0, 1.0), 8.0);
+    let report = asked.run(&scene, "span", &AtomicBool::new(false)).unwrap();
+    let motions = &report.motions;
+    assert_eq!(motions.len(), 4);
+    for motion in motions {
+        let last = motion.envelope.last().unwrap();
+        assert_eq!(last[1], motion.amplitude);
+        let most = motion.path.iter().fold(0.0_f64, |most, [_, z]| most.max(z.abs()));
+        // Four periods of a motion that hardly changes, seen at 120 places each.
+        assert!(
+            (most / motion.amplitude - 1.0).abs() < 0.1,
+            "{most} {}",
+            motion.amplitude
+        );
+        // The growth is the slope of the envelope.
+        let [[first_t, first], [last_t, last]] = [motion.envelope[1], *last];
+        let slope = (last / first).ln() / (last_t - first_t);
+        assert!((slope - motion.growth).abs() < 0.02, "{slope} {}", motion.growth);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    report.write(&OutputDirectory::open(folder.path()).unwrap()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("galloping.html")).unwrap();
+    for part in [
+        "Growth",
+        "Path",
+        "id=\"growth\"",
+        "id=\"path\"",
+        "data-csv=\"galloping\"",
+        "contact wire",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(folder.path().join("galloping.csv").is_file());
 }
 
 #[test]

@@ -103,7 +103,7 @@ pub struct Trial {
 }
 
 /// Motion of a line in a steady wind.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Motion {
     /// Speed of the wind.
     #[serde(rename = "speed_m_per_s")]
@@ -127,6 +127,13 @@ pub struct Motion {
     pub angles: [f64; 2],
     /// True where an angle is beyond a table, whose end then holds.
     pub beyond_table: bool,
+    /// Vertical amplitude there in one window of the observation after the other: middle of the window, s, and
+    /// amplitude, m.
+    #[serde(rename = "envelope_s_m")]
+    pub envelope: Vec<[f64; 2]>,
+    /// Path there over the last window, lateral and vertical from the rest in the wind, m.
+    #[serde(rename = "path_m")]
+    pub path: Vec<[f64; 2]>,
 }
 
 /// How a motion in the wind ends.
@@ -280,6 +287,7 @@ impl Trial {
         // Places that upward passes are counted at, and the last places: one for each watched node.
         let mut middle: Vec<f64> = watched.iter().map(|at| rest[at.vertical]).collect();
         let mut before = vec![0.0; watched.len()];
+        let mut paths = vec![Vec::with_capacity(per_window); watched.len()];
         for (number, window) in windows.iter_mut().enumerate() {
             for step_number in number * per_window..(number + 1) * per_window {
                 for (before, at) in before.iter_mut().zip(&watched) {
@@ -291,6 +299,10 @@ impl Trial {
                 let State { q, v, .. } = simulator.state();
                 for (i, (at, seen)) in watched.iter().zip(window.iter_mut()).enumerate() {
                     let vertical = q[at.vertical];
+                    if number + 1 == windows_of {
+                        let away = |index: usize| q[index] - rest[index];
+                        paths[i].push([at.lateral.map_or(0.0, away), away(at.vertical)]);
+                    }
                     widen(&mut seen.vertical, vertical);
                     seen.passes += usize::from(before[i] <= middle[i] && vertical > middle[i]);
                     if let Some(lateral) = at.lateral {
@@ -308,10 +320,15 @@ impl Trial {
                 *middle = 0.5 * (seen.vertical[0] + seen.vertical[1]);
             }
         }
-        Ok(self.found(&windows, (period, angles, beyond_table)))
+        Ok(self.found(&windows, &mut paths, (period, angles, beyond_table)))
     }
 
-    fn found(&self, windows: &[Vec<Window>], (period, angles, beyond_table): (f64, [f64; 2], bool)) -> Motion {
+    fn found(
+        &self,
+        windows: &[Vec<Window>],
+        paths: &mut [Vec<[f64; 2]>],
+        (period, angles, beyond_table): (f64, [f64; 2], bool),
+    ) -> Motion {
         let last = &windows[windows.len() - 1];
         let largest = (0..last.len()).max_by(|&a, &b| last[a].amplitude().total_cmp(&last[b].amplitude()));
         let at = largest.unwrap_or(0);
@@ -343,6 +360,10 @@ impl Trial {
             },
             angles,
             beyond_table,
+            envelope: (amplitudes.iter().enumerate())
+                .map(|(number, amplitude)| [(number as f64 + 0.5) * span, *amplitude])
+                .collect(),
+            path: paths.get_mut(at).map(std::mem::take).unwrap_or_default(),
         }
     }
 }

@@ -89,6 +89,16 @@ pub(crate) fn foreseen(scene: &Scene, statics: Option<&StaticLine>, span: usize)
 }
 
 fn remark(scene: &Scene, index: usize, control: &Control, stiffnesses: [f64; 2]) -> Option<String> {
+    if let Some((number, _)) = scene.controller_of(index) {
+        return Some(format!(
+            "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that \
+             its loop bears is not told: runs with a longer pantograph[{0}].control.sensors.delay, or beyond one \
+             sample with a longer sample_time, find where the force of the drive runs away; it has {2:.1} ms",
+            index + 1,
+            number + 1,
+            1e3 * control.delay()
+        ));
+    }
     let PantographModel::Lumped(lumped) = &scene.pantographs[index].model else {
         return None;
     };

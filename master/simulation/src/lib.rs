@@ -10,6 +10,7 @@ mod controlled;
 pub mod environment;
 mod error;
 pub mod galloping;
+mod galloping_page;
 mod horns;
 pub mod identity;
 pub mod latency;

@@ -47,8 +47,7 @@ pub fn galloping(arguments: &GallopingArguments, common: &Common) -> Result<(), 
     }
     if let Some(out) = &common.out {
         let folder = OutputDirectory::open(out.clone()).map_err(CommandError::Directory)?;
-        let written = folder.write_page("galloping.csv", &report.csv());
-        written.map_err(CommandError::Results)?;
+        report.write(&folder).map_err(CommandError::Results)?;
     }
     Ok(())
 }
