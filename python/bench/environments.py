@@ -42,12 +42,15 @@ def main() -> None:
     print(f"reset: {1e3 * (time.perf_counter() - begin) / asked.cases:.3f} ms per case")
     env.action_space.seed(0)
     actions = [env.action_space.sample() for _ in range(asked.samples)]
-    begin = time.perf_counter()
+    begin, begin_cpu = time.perf_counter(), time.process_time()
     for action in actions:
         env.step(np.asarray(action))
-    spent = time.perf_counter() - begin
-    steps = asked.cases * asked.samples / spent
-    print(f"steps: {steps:.0f} per second, {steps / asked.threads:.0f} per second and core")
+    spent, spent_cpu = time.perf_counter() - begin, time.process_time() - begin_cpu
+    steps = asked.cases * asked.samples
+    print(
+        f"steps: {steps / spent:.0f} per second, {steps / spent / asked.threads:.0f} per second and core, "
+        f"{steps / spent_cpu:.0f} per second of processor time"
+    )
 
 
 if __name__ == "__main__":
