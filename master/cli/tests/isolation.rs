@@ -460,6 +460,36 @@ fn an_fmu_in_this_process_that_ends_it_is_named_with_the_remedy() {
 }
 
 #[test]
+fn regress_35_an_fmu_that_ends_what_loads_it_is_met_in_the_trial_and_not_in_this_process() {
+    for (variable, fault, words) in [
+        ("HEAD_LOAD", "segv", "loading its binary crashed with SIGSEGV"),
+        ("HEAD_LOAD", "_exit", "ended its process with exit status 4"),
+        ("HEAD_LOAD", "loop", "took longer than step_timeout = 1 s"),
+        ("HEAD_FAULT", "abort", "fmi2Instantiate crashed with SIGABRT"),
+        ("HEAD_FAULT", "exit", "fmi2Instantiate ended its process by exit(3)"),
+    ] {
+        let case = Case::new("step_timeout = 1");
+        let mut command = case.command("out", &[]);
+        let output = command.env(variable, fault).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{fault}: {said}");
+        for words in [
+            "pantograph[1].fmu (",
+            "Head.fmu): it is not loaded into this program: the trial ended while initialising an instance: ",
+            words,
+        ] {
+            assert!(said.contains(words), "{fault}: \"{words}\" is missing in\n{said}");
+        }
+        assert_eq!(case.processes(), 0, "{fault}: no process is left");
+        let leftovers = std::fs::read_dir(case.folder.path()).unwrap().count();
+        assert_eq!(
+            leftovers, 2,
+            "{fault}: scene and FMU; neither results nor the unpacked archive"
+        );
+    }
+}
+
+#[test]
 fn directory_and_locale_that_an_fmu_changes_in_this_process_are_put_back() {
     let case = Case::new("parameters = { fault = \"home\", at = 0.05 }");
     let mut command = case.command("relative", &[]);

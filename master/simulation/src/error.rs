@@ -3,8 +3,6 @@
 use std::error::Error;
 
 use catenary::CatenaryError;
-use fmi2::instance::InstanceError;
-use fmi2::isolation::IsolationError;
 use scene::SceneError;
 
 use cosim::algorithm::CouplingError;
@@ -155,29 +153,19 @@ impl SetupError {
 /// start.
 #[must_use]
 pub fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
-    if let Some(error) = error.downcast_ref::<IsolationError>() {
-        return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
-    }
     // An error that shows the message of the one that it holds shows its source too, and not the one itself.
-    let held: Option<&(dyn Error + 'static)> = if let Some(InstanceError::Isolation(held)) = error.downcast_ref() {
-        Some(held)
-    } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
-        Some(held)
-    } else if let Some(SupplierError::Fmu(held)) = error.downcast_ref() {
-        Some(held)
-    } else {
-        match error.downcast_ref() {
-            Some(SetupError::Cosimulation(held)) => Some(held),
-            Some(SetupError::Wiring { source, .. }) => Some(&**source),
-            _ => error.source(),
-        }
-    };
-    held.is_some_and(lost_a_process)
+    match error.downcast_ref() {
+        Some(SetupError::Cosimulation(held)) => suppliers::lost_a_process(held),
+        Some(SetupError::Wiring { source, .. }) => suppliers::lost_a_process(&**source),
+        _ => suppliers::lost_a_process(error) || error.source().is_some_and(lost_a_process),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fmi2::instance::InstanceError;
+    use fmi2::isolation::IsolationError;
     use system::run::Failure;
 
     #[test]

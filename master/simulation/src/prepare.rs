@@ -303,7 +303,7 @@ fn refused(table: &str, entry: &Supplied, source: SupplierError) -> SetupError {
         SupplierError::Fmu(error) => key_of(entry, error),
         SupplierError::Wiring(error) => error.key(),
         SupplierError::Sign { name, .. } => format!("inputs.{name}"),
-        SupplierError::Step { .. } | SupplierError::Sample { .. } => "fmu".to_owned(),
+        SupplierError::Step { .. } | SupplierError::Sample { .. } | SupplierError::Trial { .. } => "fmu".to_owned(),
         SupplierError::Height { .. } => "outputs.height".to_owned(),
     };
     // A message that names a key of the FMU only does not say which FMU it is.

@@ -4,10 +4,11 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{Causality, ModelDescription};
 use scene::Supplied;
 
+use super::SupplierError;
 use super::probe::{Probe, Request, isolation};
 use super::wiring::{Wire, Wiring};
 use crate::isolated::isolation_of;
-use cosim::fmu_slave::{CosimulationError, FmuSlave, Role};
+use cosim::fmu_slave::{FmuSlave, Role};
 use cosim::slave::{Abilities, Slave, SlaveError};
 
 /// Highest order of derivatives that a step is cut into pieces for.
@@ -127,8 +128,11 @@ impl Driven {
     /// Instantiates and initialises the FMU; what it can do is what `probe` found.
     ///
     /// # Errors
-    /// A variable that does not exist, and whatever the FMU reports.
-    pub fn start(fmu: &Fmu, wiring: Wiring, setting: &Setting<'_>, probe: &Probe) -> Result<Self, CosimulationError> {
+    /// A variable that does not exist, whatever the FMU reports, and in this process an FMU that ended its trial.
+    pub fn start(fmu: &Fmu, wiring: Wiring, setting: &Setting<'_>, probe: &Probe) -> Result<Self, SupplierError> {
+        if !setting.entry.isolate {
+            probe.check_start()?;
+        }
         let file = fmu.path().file_name().unwrap_or_default().to_string_lossy();
         let slave = FmuSlave::start(fmu, role(&wiring, setting))?.called(format!("{} ({file})", setting.name));
         let abilities = probe.abilities(slave.abilities());

@@ -49,7 +49,11 @@ pub use quantity::Side;
 use quantity::unit;
 pub use wiring::{Wire, Wiring, WiringError};
 
+use std::error::Error;
+
 use cosim::fmu_slave::CosimulationError;
+use fmi2::instance::InstanceError;
+use fmi2::isolation::IsolationError;
 
 /// Reason why a supplied FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
@@ -119,6 +123,12 @@ pub enum SupplierError {
         /// Height of the wire under it, m.
         lifted: f64,
     },
+    /// A crash, an endless call or an end of the process in the trial.
+    #[error("it is not loaded into this program: {failure}")]
+    Trial {
+        /// Report of the trial.
+        failure: String,
+    },
 }
 
 impl SupplierError {
@@ -127,9 +137,32 @@ impl SupplierError {
     pub fn is_input(&self) -> bool {
         match self {
             Self::Fmu(error) => error.is_input(),
+            Self::Trial { .. } => false,
             Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } | Self::Sample { .. } | Self::Height { .. } => true,
         }
     }
+}
+
+/// `true` where an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not
+/// start.
+#[must_use]
+pub fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
+    if let Some(error) = error.downcast_ref::<IsolationError>() {
+        return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
+    }
+    // An error that shows the message of the one that it holds shows its source too, and not the one itself.
+    let held: Option<&(dyn Error + 'static)> = if let Some(InstanceError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else {
+        match error.downcast_ref() {
+            Some(SupplierError::Fmu(held)) => Some(held),
+            Some(SupplierError::Trial { .. }) => return true,
+            _ => error.source(),
+        }
+    };
+    held.is_some_and(lost_a_process)
 }
 
 /// Simulated time that an FMU is told for a run of `duration` s: the phase at rest before it, and a last step that is

@@ -16,6 +16,7 @@ use fmi2::import::Fmu;
 use scene::{ParameterValue, Supplied};
 use serde::Serialize;
 
+use super::SupplierError;
 use super::wiring::Wiring;
 use cosim::slave::Abilities;
 use fmi2::isolation::{self, Isolation};
@@ -61,6 +62,8 @@ pub struct Probe {
     pub stiffness: Option<f64>,
     /// Reason why the trial came to no end.
     pub failure: Option<String>,
+    /// True where the process of the trial ended before the first step was done.
+    pub ended_at_start: bool,
 }
 
 /// Request for a trial.
@@ -91,6 +94,20 @@ impl Probe {
                 .input_derivatives
                 .min(self.input_derivatives.unwrap_or(usize::from(!broken))),
             variable_step: claimed.variable_step && self.variable_step.unwrap_or(true),
+        }
+    }
+
+    /// Refuses an FMU that has ended the process of its trial before the first step was done: it is not loaded into
+    /// this process.
+    ///
+    /// # Errors
+    /// [`SupplierError::Trial`] with the reason.
+    pub fn check_start(&self) -> Result<(), SupplierError> {
+        match &self.failure {
+            Some(failure) if self.ended_at_start => Err(SupplierError::Trial {
+                failure: failure.clone(),
+            }),
+            _ => Ok(()),
         }
     }
 
@@ -138,8 +155,14 @@ pub fn isolation(entry: &Supplied) -> Option<Isolation> {
 pub fn probe(fmu: &Fmu, request: &Request) -> Probe {
     let mut found = Probe::default();
     if let Err(error) = Bench::new(fmu, request).run(&mut found) {
+        found.ended_at_start = found.findings.is_empty() && crate::lost_a_process(&error);
+        let consequence = if found.ended_at_start {
+            ""
+        } else {
+            ", so that its claims are not relied on"
+        };
         found.failure = Some(format!(
-            "the trial ended while {}, so that its claims are not relied on: {}",
+            "the trial ended while {}{consequence}: {}",
             found.stage,
             cosim::chain(&error)
         ));

@@ -3,7 +3,8 @@
    m dv/dt = S - F - d v, dz/dt = v; semi-implicit Euler, 20 steps per communication step.
 
    value references: 0 F [N] in; 1 z [m], 2 v [m/s] out; 3 at [s]; 4 fault (String); 5 S [N]
-   faults from the step that reaches t = at on: see fail(). The environment variable HEAD_FAULT is one for fmi2Instantiate. */
+   faults from the step that reaches t = at on: see fail(). The environment variable HEAD_FAULT is one for fmi2Instantiate,
+   HEAD_LOAD one for loading the library. */
 #define _GNU_SOURCE
 #include <locale.h>
 #include <pthread.h>
@@ -93,6 +94,12 @@ static int fail(head_t *c, const char *fault) {
         pthread_join(thread, NULL);
     }
     return 0;
+}
+
+__attribute__((constructor)) static void loaded(void) {
+    const char *fault = getenv("HEAD_LOAD");
+    static head_t nobody;
+    if (fault != NULL) fail(&nobody, fault);
 }
 
 const char *fmi2GetVersion(void) { return "2.0"; }
