@@ -64,6 +64,7 @@ pub fn advance<S: System>(
             simulator.jump_by(forces, length)?;
         }
         let count = simulator.micro_steps(length) as f64;
+        let whole = length / count;
         let mut steps = 0.0;
         let channels = &*channels;
         simulator.advance(
@@ -76,8 +77,9 @@ pub fn advance<S: System>(
                 }
             },
             &mut |system, motion, lambda, dt| {
-                steps += 1.0;
-                let reached = if steps == count { to } else { from + steps * dt };
+                // A step that was done in halves counts by its parts, which are exact.
+                steps += dt / whole;
+                let reached = if steps == count { to } else { from + steps * whole };
                 after(system, (motion, lambda, dt, reached));
             },
         )?;

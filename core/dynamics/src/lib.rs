@@ -77,7 +77,7 @@ pub use energy_balance::EnergyBalance;
 pub use followed_input::{FollowedInput, MAX_ORDER};
 pub use force::{Force, Power, Weights};
 pub use integrate::{
-    Checkpoint, Counters, Formulation, GeneralizedAlpha, Jacobian, NewtonOptions, OutsideError, Simulator,
+    Checkpoint, Counters, Formulation, GeneralizedAlpha, Halved, Jacobian, NewtonOptions, OutsideError, Simulator,
     StaticOptions, StaticReport, StepError, solve_static,
 };
 pub use layout::Layout;

@@ -239,6 +239,7 @@ impl OneSystem {
             solver.rho_inf,
             solver.newton_options(),
         );
+        simulator.halve(crate::run::HALVINGS);
         if balanced {
             simulator.begin();
         } else {
@@ -262,7 +263,8 @@ impl OneSystem {
         }
     }
 
-    /// Puts a disturbance on the run to come; steps are not discarded, as there is no way to take them back.
+    /// Puts a disturbance on the run to come; steps are not discarded, as there is no way to take them back. The first
+    /// step that fails ends a run whose energy is followed.
     ///
     /// # Errors
     /// A deflected line without accelerations at the start.
@@ -274,6 +276,9 @@ impl OneSystem {
             }
         }
         self.repetition = disturbance.repeated.then(Box::default);
+        if disturbance.audited || disturbance.repeated {
+            self.simulator.halve(0);
+        }
         let at_rest = disturbance.audited.then(|| self.simulator.energy_balance().energy());
         if let Some(deflection) = disturbance.deflection {
             self.deflection(deflection.amplitude)?;
@@ -337,6 +342,14 @@ impl OneSystem {
                 self.crossed
             )
         })
+    }
+
+    /// Note on internal steps that failed and were done in halves.
+    #[must_use]
+    pub fn failure_note(&self) -> Option<String> {
+        let halved = self.simulator.halved();
+        let first = halved.first.as_ref()?;
+        Some(crate::run::halved_note(halved.count, first))
     }
 
     /// True where every pantograph of a scene is modelled here.

@@ -13,6 +13,16 @@ use crate::step_times::StepTimes;
 /// Part of a step by which the duration may miss a whole number of them.
 const ROUNDING: f64 = 1e-9;
 
+/// Number of halvings of a step that fails, before the run ends: 1 ms becomes 16 µs. In one system of an internal step,
+/// coupled of a macro step.
+pub const HALVINGS: u32 = 6;
+
+/// Note on `count` steps that failed and were done in halves, the first one for the reason `first`.
+#[must_use]
+pub fn halved_note(count: u64, first: &str) -> String {
+    format!("{count} steps failed and were done in halves; the first: {first}")
+}
+
 /// Times of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
@@ -216,7 +226,7 @@ pub fn run(
         failure,
         energy_residual: 0.0,
         energy_share: 0.0,
-        notes: whole.energy_note().into_iter().collect(),
+        notes: whole.energy_note().into_iter().chain(whole.failure_note()).collect(),
         simulated: points[0].t,
         wall,
         macro_steps,

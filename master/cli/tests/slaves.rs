@@ -245,6 +245,32 @@ fn pantographs_on_threads_of_their_own_give_the_same_bits_in_every_mode() {
     }
 }
 
+/// One system ended with the first step that did not converge, where the coupled modes did the step in halves.
+#[test]
+fn regress_35_steps_that_do_not_converge_are_done_in_halves_and_told_in_every_mode() {
+    for mode in [Mode::Monolithic, Mode::Inprocess, Mode::Cosimulation] {
+        let usual = finish(mode, &[]);
+        let few = finish(mode, &["solver.max_iterations=1"]);
+        let told = |finished: &Finished| {
+            let note = finished.info.notes.iter().find(|note| note.contains("done in halves"));
+            note.cloned()
+        };
+        assert_eq!(told(&usual), None);
+        let note = told(&few).expect("most steps need more than one iteration");
+        // An FMU gives its reason with -vv.
+        let reason = mode == Mode::Cosimulation || note.contains("after 1 iterations");
+        assert!(
+            note.contains(" steps failed and were done in halves; the first: ") && reason,
+            "{note}"
+        );
+        let fine = finish(mode, &["solver.micro_step=0.0001"]);
+        let [usual, few, fine] = [&usual, &few, &fine].map(|finished| &finished.record.pantographs[0].force);
+        let (of_usual, of_few) = (largest_difference(usual, fine), largest_difference(few, fine));
+        // Shorter steps are nearer the solution.
+        assert!(of_few < of_usual, "{mode:?}: {of_few} N in place of {of_usual} N");
+    }
+}
+
 /// With as many macro steps as internal ones, repeated to 1e-9 N, the forces at both sides are those of one system.
 #[test]
 fn the_repeated_exchange_of_interpolated_forces_is_the_monolithic_run() {

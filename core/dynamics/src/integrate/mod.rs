@@ -33,5 +33,5 @@ pub(crate) mod workspace;
 pub use formulation::Formulation;
 pub use generalized_alpha::GeneralizedAlpha;
 pub use newton::{Counters, Jacobian, NewtonOptions, OutsideError, StepError};
-pub use simulator::{Checkpoint, Simulator};
+pub use simulator::{Checkpoint, Halved, Simulator};
 pub use statics::{StaticOptions, StaticReport, solve_static};

@@ -31,6 +31,18 @@ pub struct Simulator<S> {
     /// Room for inputs before a jump.
     before: Vec<f64>,
     mass: Option<SparseMatrix>,
+    /// Times that an internal step which fails is parted into halves before it is given up.
+    halvings: u32,
+    halved: Halved,
+}
+
+/// Internal steps that failed and were done in halves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Halved {
+    /// Number of such steps and parts.
+    pub count: u64,
+    /// Words of the first failure.
+    pub first: Option<String>,
 }
 
 impl<S: System> Simulator<S> {
@@ -44,7 +56,21 @@ impl<S: System> Simulator<S> {
             before: Vec::new(),
             u,
             mass: None,
+            halvings: 0,
+            halved: Halved::default(),
         }
+    }
+
+    /// Parts an internal step that fails into halves, and these again, `halvings` times at most, before it is given up;
+    /// 0 leaves that to the caller.
+    pub fn halve(&mut self, halvings: u32) {
+        self.halvings = halvings;
+    }
+
+    /// Internal steps so far that failed and were done in halves.
+    #[must_use]
+    pub fn halved(&self) -> &Halved {
+        &self.halved
     }
 
     /// The present state.
@@ -165,13 +191,36 @@ impl<S: System> Simulator<S> {
         let dt = h / count as f64;
         for step in 1..=count {
             let tau = if step == count { h } else { step as f64 * dt };
-            inputs_at(tau, &mut self.u);
-            self.integrator
-                .step(&mut self.system, &mut self.state, &self.u, t + tau, dt)?;
-            after(&mut self.system, self.state.motion(&self.u), &self.state.lambda, dt);
-            let continuity = self.system.follow(&mut self.state, &self.u);
-            self.continue_with(continuity);
+            self.step((t, tau, dt), self.halvings, inputs_at, after)?;
         }
+        Ok(())
+    }
+
+    /// An internal step of `dt` s to `t + tau`, in halves where that is allowed and needed.
+    fn step(
+        &mut self,
+        (t, tau, dt): (f64, f64, f64),
+        halvings: u32,
+        inputs_at: &mut dyn FnMut(f64, &mut [f64]),
+        after: &mut AfterStep<'_, S>,
+    ) -> Result<(), StepError> {
+        inputs_at(tau, &mut self.u);
+        let done = self
+            .integrator
+            .step(&mut self.system, &mut self.state, &self.u, t + tau, dt);
+        match done {
+            Err(error) if halvings > 0 && error.is_retryable() => {
+                self.halved.count += 1;
+                self.halved.first.get_or_insert_with(|| error.to_string());
+                let half = 0.5 * dt;
+                self.step((t, tau - half, half), halvings - 1, inputs_at, after)?;
+                return self.step((t, tau, half), halvings - 1, inputs_at, after);
+            }
+            done => done?,
+        }
+        after(&mut self.system, self.state.motion(&self.u), &self.state.lambda, dt);
+        let continuity = self.system.follow(&mut self.state, &self.u);
+        self.continue_with(continuity);
         Ok(())
     }
 

@@ -1,9 +1,8 @@
 //! Steps of both sides that are parted where the algorithm asks for it, and halved where they fail.
 
-use crate::algorithm::{Algorithm, CouplingError, Exchange, Sides};
+use system::run::{HALVINGS, halved_note};
 
-/// Number of halvings of a macro step that fails, before the step is given up: 1 ms becomes 16 µs.
-const HALVINGS: u32 = 6;
+use crate::algorithm::{Algorithm, CouplingError, Exchange, Sides};
 
 /// Number of further tries of a part that cannot be halved any more, before the step is given up: an FMU may discard a
 /// step for a reason of its own that does not come back.
@@ -71,14 +70,11 @@ impl<'a, 'b> Stepper<'a, 'b> {
         self.first_failure.get_or_insert_with(|| crate::chain(error));
     }
 
-    /// Note on steps that failed and were done in shorter ones, which one system cannot do.
+    /// Note on steps that failed and were done in shorter ones.
     #[must_use]
     pub fn failure_note(&self) -> Option<String> {
         let first = self.first_failure.as_ref()?;
-        Some(format!(
-            "{} steps failed and were done in halves; one system (--mode monolithic) ends with the first: {first}",
-            self.failed
-        ))
+        Some(halved_note(self.failed, first))
     }
 
     /// Takes both sides back to the present point.
