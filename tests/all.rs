@@ -38,6 +38,7 @@ mod statics;
 mod supplied;
 mod supplied_matrix;
 mod supplied_together;
+mod supply_chain;
 mod time_loop;
 mod vehicle;
 mod wear;

@@ -588,6 +588,7 @@ fn no_folder_or_name_of_this_computer_is_in_an_archive() {
             "resources/scene.toml",
             "documentation/index.html",
             "documentation/licenses/license.txt",
+            "documentation/sbom.cdx.json",
             "documentation/externalDependencies.txt",
         ] {
             let text = std::fs::read_to_string(fmu.folder().join(name)).unwrap();

@@ -23,6 +23,9 @@ const LICENSES: [&str; 2] = [
     include_str!("../../../fmu/licenses.txt"),
 ];
 
+/// Parts of the libraries with versions, licences and hashes, in CycloneDX.
+const PARTS: &str = include_str!("../../../fmu/sbom.cdx.json");
+
 /// The libraries of the shells.
 const SHELLS: [&str; 2] = ["catenary_fmu", "pantograph_fmu"];
 
@@ -173,6 +176,7 @@ fn archive<C: Component>(scene: &Scene, library: Vec<u8>) -> Package {
     let mut documents = BTreeMap::from([
         ("index.html".to_owned(), documentation::<C>(scene).into_bytes()),
         ("licenses/license.txt".to_owned(), LICENSES.join("\n").into_bytes()),
+        ("sbom.cdx.json".to_owned(), PARTS.as_bytes().to_vec()),
     ]);
     if let Some(needs) = Needs::of(&library) {
         documents.insert(
@@ -248,7 +252,8 @@ fn documentation<C: Component>(scene: &Scene) -> String {
         ));
     }
     page.push_str(
-        "</table>\n<p><a href=\"licenses/license.txt\">Licences</a> of what is inside.</p>\n</body></html>\n",
+        "</table>\n<p><a href=\"licenses/license.txt\">Licences</a> and <a \
+         href=\"sbom.cdx.json\">list</a> of what is inside.</p>\n</body></html>\n",
     );
     page
 }
