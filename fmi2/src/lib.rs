@@ -7,7 +7,7 @@
 //! - [`import`]: any FMU, loaded through its C interface.
 //! - [`instance`]: an instance of an FMU, in this process or in another; [`isolation`]: FMUs in processes of their own.
 //! - [`program`]: the file of the program, which libraries and children are looked for beside.
-//! - [`scratch`]: private folders of unpacked archives.
+//! - [`scratch`]: private folders of unpacked archives; [`supervision`]: a process that watches FMUs in this one.
 //! - [`abi`]: the C types.
 //!
 //! No other crate of the workspace has hand-written `unsafe`; every block says why it is sound.
@@ -42,6 +42,7 @@ pub mod model_description;
 pub mod program;
 pub mod scratch;
 pub mod slave;
+pub mod supervision;
 mod text;
 
 pub use error::{Error, Log};

@@ -1,5 +1,6 @@
 //! The run in time: schedule, outcome, and the time loop of one system.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -132,6 +133,22 @@ pub enum Failure<E: std::error::Error + 'static> {
     /// A step could not be completed.
     #[error(transparent)]
     Step(#[from] E),
+    /// A panic in a step: what was recorded before stays.
+    #[error("a defect of this program ended the run in the step from t = {t} s: {message}")]
+    Defect {
+        /// Simulated time, s.
+        t: f64,
+        /// Message of the panic.
+        message: String,
+    },
+}
+
+/// Makes time steps; returns the message of a panic in them, after which nothing that they work with may be asked.
+pub fn caught(steps: impl FnOnce()) -> Option<String> {
+    let panic = catch_unwind(AssertUnwindSafe(steps)).err()?;
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    Some(text.unwrap_or("no message").to_owned())
 }
 
 /// Lengths of the macro steps of a run.
@@ -198,35 +215,45 @@ pub fn run(
     draw(whole, recorder, &points[0]);
     let (mut failure, mut macro_steps, mut shown) = (None, 0, 0.0);
     let mut step_times = StepTimes::new(watch.paced);
-    for n in 1..=schedule.steps() {
-        let t = points[0].t;
-        if watch.interrupted.load(Ordering::Relaxed) {
-            failure = Some(Failure::Interrupted { t });
-            break;
+    let defect = caught(|| {
+        for n in 1..=schedule.steps() {
+            let t = points[0].t;
+            if watch.interrupted.load(Ordering::Relaxed) {
+                failure = Some(Failure::Interrupted { t });
+                break;
+            }
+            let (end, h) = schedule.step(n);
+            step_times.begin(t);
+            if let Err(error) = whole.advance(t, h, &mut points, &mut |previous, present| {
+                recorder.step(previous, present)
+            }) {
+                failure = Some(Failure::Step(error));
+                break;
+            }
+            step_times.end(end);
+            points[0].t = end;
+            macro_steps = n;
+            draw(whole, recorder, &points[0]);
+            if end >= shown + 0.01 {
+                shown = end;
+                watch.progress.reached(end);
+            }
         }
-        let (end, h) = schedule.step(n);
-        step_times.begin(t);
-        if let Err(error) = whole.advance(t, h, &mut points, &mut |previous, present| {
-            recorder.step(previous, present)
-        }) {
-            failure = Some(Failure::Step(error));
-            break;
-        }
-        step_times.end(end);
-        points[0].t = end;
-        macro_steps = n;
-        draw(whole, recorder, &points[0]);
-        if end >= shown + 0.01 {
-            shown = end;
-            watch.progress.reached(end);
-        }
+    });
+    let sound = defect.is_none();
+    if let Some(message) = defect {
+        let t = macro_steps as f64 * schedule.macro_step;
+        failure = Some(Failure::Defect { t, message });
     }
     let wall = begin.elapsed().as_secs_f64();
     Outcome {
         failure,
         energy_residual: 0.0,
         energy_share: 0.0,
-        notes: whole.energy_note().into_iter().chain(whole.failure_note()).collect(),
+        notes: match sound {
+            true => whole.energy_note().into_iter().chain(whole.failure_note()).collect(),
+            false => Vec::new(),
+        },
         simulated: points[0].t,
         wall,
         macro_steps,
@@ -237,7 +264,7 @@ pub fn run(
             ..Steps::default()
         },
         step_times,
-        work: whole.work(),
-        shares: whole.shares(wall),
+        work: if sound { whole.work() } else { Work::default() },
+        shares: if sound { whole.shares(wall) } else { Vec::new() },
     }
 }

@@ -3,6 +3,7 @@
 use std::io;
 use std::os::fd::{AsFd as _, AsRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// Takes the socket that this process was given as its standard input. Output of the FMU then goes to the standard
@@ -25,8 +26,49 @@ pub fn detached_stdin() -> io::Result<UnixStream> {
 /// The system has no descriptor left.
 pub fn own_stdout() -> io::Result<std::fs::File> {
     let own = io::stdout().as_fd().try_clone_to_owned()?;
+    let _ = KEPT.set(own.try_clone()?);
     replace(2, 1)?;
     Ok(own.into())
+}
+
+/// Standard output of this process, once FMUs have another.
+static KEPT: OnceLock<OwnedFd> = OnceLock::new();
+
+/// Standard output that [`own_stdout`] has taken, for a child that is to have the same.
+pub(crate) fn kept_stdout() -> Option<OwnedFd> {
+    KEPT.get()?.try_clone().ok()
+}
+
+/// Has `handler` called at `signal`, unless the signal is ignored.
+pub(crate) fn handle_unless_ignored(signal: i32, handler: extern "C" fn(i32)) {
+    if is_ignored(signal) {
+        return;
+    }
+    // SAFETY: a sigaction of zeros is valid, the handler has the signature of one without SA_SIGINFO.
+    unsafe {
+        let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed().assume_init();
+        action.sa_sigaction = handler as usize;
+        action.sa_flags = libc::SA_RESTART;
+        libc::sigemptyset(&raw mut action.sa_mask);
+        libc::sigaction(signal, &raw const action, std::ptr::null_mut());
+    }
+}
+
+/// True where this process ignores `signal`.
+fn is_ignored(signal: i32) -> bool {
+    let mut before = std::mem::MaybeUninit::<libc::sigaction>::uninit();
+    // SAFETY: a valid place for the present action; no new one is set.
+    let asked = unsafe { libc::sigaction(signal, std::ptr::null(), before.as_mut_ptr()) };
+    // SAFETY: the system has filled the place where it reports success.
+    asked == 0 && unsafe { before.assume_init() }.sa_sigaction == libc::SIG_IGN
+}
+
+/// Sends `signal` to a child of this process.
+pub(crate) fn signal(child: u32, signal: i32) {
+    if let Ok(child) = libc::pid_t::try_from(child) {
+        // SAFETY: a plain call; a process that is gone is no harm.
+        unsafe { libc::kill(child, signal) };
+    }
 }
 
 /// Makes the descriptor `number` that of `by`.
@@ -42,11 +84,7 @@ fn replace(by: RawFd, number: RawFd) -> io::Result<()> {
 /// Calls `install`, which may take hold of signals, and leaves the hangup ignored where it was ignored before: a
 /// program started by `nohup` outlives its terminal.
 pub fn with_hangup_as_it_was<T>(install: impl FnOnce() -> T) -> T {
-    let mut before = std::mem::MaybeUninit::<libc::sigaction>::uninit();
-    // SAFETY: a valid place for the present action; no new one is set.
-    let asked = unsafe { libc::sigaction(libc::SIGHUP, std::ptr::null(), before.as_mut_ptr()) };
-    // SAFETY: the system has filled the place where it reports success.
-    let ignored = asked == 0 && unsafe { before.assume_init() }.sa_sigaction == libc::SIG_IGN;
+    let ignored = is_ignored(libc::SIGHUP);
     let installed = install();
     if ignored {
         // SAFETY: a plain call; to ignore a signal needs no handler.

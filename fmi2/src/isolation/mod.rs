@@ -72,6 +72,8 @@ mod remote;
 
 #[cfg(unix)]
 pub use child::serve;
+#[cfg(unix)]
+pub(crate) use process::program;
 
 /// The hidden subcommand.
 pub const SUBCOMMAND: &str = "isolated-fmu";

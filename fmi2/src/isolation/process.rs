@@ -27,7 +27,7 @@ const LINE: u64 = 1 << 14;
 ///
 /// # Errors
 /// There is none.
-pub(super) fn program() -> io::Result<PathBuf> {
+pub(crate) fn program() -> io::Result<PathBuf> {
     let this = crate::program::file()?;
     if SERVES.load(Ordering::Relaxed) {
         // itself, also if its file was replaced meanwhile

@@ -255,13 +255,12 @@ pub fn main() -> ExitCode {
         Command::Completions { shell } => command::completions::completions(shell),
         Command::Report { directories } => command::report::report(&directories, &common),
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            command::complain(&format!("error: {}", cosim::chain(&error)));
-            ExitCode::from(error.exit_code())
-        }
-    }
+    let status = result.err().map_or(0, |error| {
+        command::complain(&format!("error: {}", cosim::chain(&error)));
+        error.exit_code()
+    });
+    fmi2::supervision::ended(status);
+    status.into()
 }
 
 #[cfg(test)]

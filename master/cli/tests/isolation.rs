@@ -459,6 +459,91 @@ fn an_fmu_in_this_process_that_ends_it_is_named_with_the_remedy() {
     }
 }
 
+/// `_exit(0)` ended the program with status 0 and without results.
+#[test]
+fn regress_35_an_fmu_in_this_process_that_ends_it_without_a_word_is_noticed_by_the_next_process() {
+    let case = Case::new("parameters = { fault = \"_exit0\", at = 0.05 }");
+    let ended = case.run();
+    let said = ended.said();
+    assert_eq!(ended.output.status.code(), Some(1), "{said}");
+    for words in [
+        "ended with exit status 0 before it came to its end",
+        "Head.fmu",
+        "isolate = true",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    let left = case.results("out");
+    assert!(left.join("scene.toml").exists() && !left.join("summary.json").exists());
+    // The next run says so, and is complete.
+    let scene = std::fs::read_to_string(case.results("scene.toml")).unwrap();
+    std::fs::write(case.results("scene.toml"), scene.replace("_exit0", "")).unwrap();
+    let ended = case.run();
+    let said = ended.said();
+    assert!(ended.output.status.success(), "{said}");
+    assert!(
+        said.contains("an earlier run did not come to its end") && said.contains("`master run` of"),
+        "{said}"
+    );
+    assert_eq!(case.summary("out")["complete"], true);
+    let said = case.run().said();
+    assert!(!said.contains("an earlier run"), "{said}");
+}
+
+/// A thread that an FMU leaves behind crashes when the library is unloaded, with results complete.
+#[test]
+fn regress_35_a_thread_that_an_fmu_leaves_behind_is_told_and_costs_no_results() {
+    let case = Case::new("parameters = { fault = \"haunt\", at = 0.05 }");
+    let ended = case.run();
+    let said = ended.said();
+    assert_eq!(ended.output.status.code(), Some(1), "{said}");
+    for words in [
+        "was ended by SIGSEGV",
+        "has left a thread",
+        "what is written stays",
+        "Head.fmu",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert_eq!(case.summary("out")["complete"], true);
+    assert_eq!(case.rows("out"), 101);
+}
+
+/// Statuses, signals and standard output go through the process that watches.
+#[test]
+fn a_run_that_is_watched_is_like_any_other() {
+    let case = Case::new("");
+    let ended = case.run_with("out", &["--json"]);
+    assert!(ended.output.status.success(), "{}", ended.said());
+    let summary: serde_json::Value = serde_json::from_slice(&ended.output.stdout).expect("JSON and nothing else");
+    assert_eq!(summary["complete"], true);
+    let ended = case.run_with("none", &["--set", "run.speed_kmh=-1"]);
+    assert_eq!(ended.output.status.code(), Some(2), "{}", ended.said());
+    // An end in order where the process that watches is asked alone, and where it is killed.
+    for (signal, status) in [("TERM", Some(1)), ("KILL", None)] {
+        let long = ["--set", "run.duration=60", "--set", "run.speed_kmh=5", "-q"];
+        let mut command = case.command(signal, &long);
+        let mut master = command.stderr(Stdio::piped()).spawn().unwrap();
+        let begin = Instant::now();
+        while !case.results(signal).join("scene.toml").exists() {
+            assert!(begin.elapsed() < Duration::from_secs(60) && master.try_wait().unwrap().is_none());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_millis(200));
+        assert_eq!(case.processes(), 2, "one of them watches");
+        let mut kill = Command::new("kill");
+        let sent = kill.args([&format!("-{signal}"), &master.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+        assert_eq!(master.wait().unwrap().code(), status);
+        let begin = Instant::now();
+        while case.processes() > 0 {
+            assert!(begin.elapsed() < Duration::from_secs(20), "a process is left");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert_eq!(case.results(signal).join("summary.json").exists(), signal == "TERM");
+    }
+}
+
 #[test]
 fn regress_35_an_fmu_that_ends_what_loads_it_is_met_in_the_trial_and_not_in_this_process() {
     for (variable, fault, words) in [

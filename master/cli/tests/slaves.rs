@@ -3,6 +3,7 @@
 mod running;
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use component::exchange::{self, contact, load, strip};
 use cosim::fmu_slave::{FmuSlave, Role};
@@ -12,8 +13,9 @@ use cosim::slave::Slave;
 use fmi2::import::Fmu;
 use results::Record;
 use scene::Scene;
-use simulation::{Finished, Mode, prepare};
+use simulation::{Finished, FmuSource, Mode, SetupError, prepare};
 use system::equilibrium;
+use system::run::Watch;
 
 fn scene(overrides: &[&str]) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/en50318-250.toml");
@@ -268,6 +270,46 @@ fn regress_35_steps_that_do_not_converge_are_done_in_halves_and_told_in_every_mo
         let (of_usual, of_few) = (largest_difference(usual, fine), largest_difference(few, fine));
         // Shorter steps are nearer the solution.
         assert!(of_few < of_usual, "{mode:?}: {of_few} N in place of {of_usual} N");
+    }
+}
+
+/// A display with a defect.
+struct Defective;
+
+impl component::Progress for Defective {
+    fn reached(&self, t: f64) {
+        assert!(t < 0.1, "the display is upset");
+    }
+}
+
+#[test]
+fn regress_35_a_run_that_panics_writes_what_there_is_in_every_mode() {
+    for mode in [Mode::Monolithic, Mode::Inprocess, Mode::Cosimulation] {
+        let folder = tempfile::tempdir().unwrap();
+        let prepared = prepare(scene(&[]), "test", Path::new("."), false).unwrap();
+        let never = AtomicBool::new(false);
+        let source = FmuSource {
+            folder: folder.path().join("packaged"),
+            logging: false,
+        };
+        let run = prepared.run(mode, &source, &Watch::new(&never, &Defective), |_| {
+            Ok::<(), SetupError>(())
+        });
+        let finished = run.unwrap();
+        let reason = finished.info.incomplete_reason.clone();
+        assert!(!finished.info.complete && finished.failure.is_some());
+        for part in [
+            "a defect of this program ended the run in the step from t = ",
+            ": the display is upset",
+        ] {
+            assert!(reason.contains(part), "{mode:?}: {reason}");
+        }
+        let output = results::OutputDirectory::open(folder.path().join("out")).unwrap();
+        let written = output.finish(&finished.info, finished.record, "").unwrap();
+        let rows = written.record.time.len();
+        assert!((95..=105).contains(&rows), "{mode:?}: {rows} rows of 1 ms");
+        let kept = results::RunBundle::read(&folder.path().join("out")).unwrap();
+        assert!(!kept.summary.complete && kept.record.time.len() == rows);
     }
 }
 

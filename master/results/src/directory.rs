@@ -101,14 +101,21 @@ impl OutputDirectory {
     }
 
     /// Takes hold of the folder until this value and its copies are dropped, and clears it of what killed runs have
-    /// left; `holder` are the words that another process is refused with.
+    /// left; `holder` are the words that another process is refused with. Returns a note on a run that did not come to
+    /// its end, for the user.
     ///
     /// # Errors
     ///
     /// [`ResultsError::Busy`] where another one holds the folder.
-    pub fn lock(&mut self, holder: &str) -> Result<(), ResultsError> {
-        self.lock = Some(Arc::new(lock::Lock::take(&self.path, holder)?));
-        self.clear()
+    pub fn lock(&mut self, holder: &str) -> Result<Option<String>, ResultsError> {
+        let lock = Arc::new(lock::Lock::take(&self.path, holder)?);
+        let broken_off = lock.broken_off.clone();
+        self.lock = Some(lock);
+        self.clear()?;
+        Ok(broken_off.map(|words| {
+            let folder = self.path.display();
+            format!("{folder}: an earlier run did not come to its end, and what it had not written is lost: {words}")
+        }))
     }
 
     /// Finishes what a killed run has begun to exchange, and removes what it has left. For the holder of the lock of

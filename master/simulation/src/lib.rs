@@ -26,6 +26,7 @@ pub mod sliding_joint;
 mod static_lines;
 mod statics_hints;
 mod strip_overrun;
+mod supervision;
 mod table_files;
 pub mod wearing;
 
@@ -58,6 +59,7 @@ use system::step_times::StepTimes;
 pub use self::error::{SetupError, lost_a_process};
 pub use crate::prepare::{Other, prepare, prepare_on};
 pub use crate::static_lines::StaticLines;
+pub use crate::supervision::supervise;
 use cosim::chain;
 
 /// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.

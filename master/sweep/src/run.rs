@@ -104,6 +104,7 @@ impl Sweep {
     pub fn new(base: Base, wishes: PlanWishes, options: Options) -> Result<Self, SweepError> {
         // Contradictions of the scene itself may be solved by what is varied.
         let scene: Scene = base.read(&[])?;
+        simulation::supervise(&scene, &mut None);
         let plan = Plan::new(wishes, &Numbers::of(&scene))?;
         plan.check(&base)?;
         let identity = Identity {

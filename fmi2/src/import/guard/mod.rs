@@ -9,7 +9,7 @@
 //!
 //! A [`Report`] is made in either case, and the process ends with exit status 1; no destructor runs, so folders of
 //! unpacked FMUs stay. `_exit()`, SIGKILL and a crash in a thread that outlives all calls cannot be noticed here: only
-//! another process can, which sees how this one ended.
+//! another process can, which sees how this one ended, see [`supervision`](crate::supervision).
 //!
 //! A call costs a few stores into memory of its own instance; no clock is read.
 
@@ -28,6 +28,8 @@ pub fn install(report: Report) {
 }
 pub(super) use note::Note;
 pub use report::{Ending, Obituary, Report};
+#[cfg(unix)]
+pub(crate) use report::{say, supervised};
 
 #[cfg(test)]
 mod tests;

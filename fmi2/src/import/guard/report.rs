@@ -7,6 +7,22 @@ use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 /// Receiver of last words: a descriptor, or −1 for a sentence on the standard error stream.
 static TO: AtomicI32 = AtomicI32::new(-1);
 
+/// Descriptor that a process which watches this one reads its exit status from, or −1.
+static WATCHED: AtomicI32 = AtomicI32::new(-1);
+
+/// Names the descriptor at which another process waits for the exit status of this one.
+#[cfg(unix)]
+pub(crate) fn supervised(descriptor: i32) {
+    WATCHED.store(descriptor, Ordering::Relaxed);
+}
+
+/// Says the exit status at `descriptor`; may be called from a signal handler.
+#[cfg(unix)]
+pub(crate) fn say(descriptor: i32, status: u8) {
+    // SAFETY: one byte that is there.
+    unsafe { libc::write(descriptor, (&raw const status).cast(), 1) };
+}
+
 /// Process that last words are of; 0 before there is one.
 static OWN: AtomicU32 = AtomicU32::new(0);
 
@@ -255,8 +271,13 @@ fn end_now(words: &[u8], descriptor: i32) -> ! {
     // SAFETY: both may be called from a signal handler; the bytes are as many as is said.
     unsafe {
         libc::write(descriptor, words.as_ptr().cast(), words.len());
-        libc::_exit(1)
     }
+    let watched = WATCHED.load(Ordering::Relaxed);
+    if watched >= 0 {
+        say(watched, 1);
+    }
+    // SAFETY: may be called from a signal handler.
+    unsafe { libc::_exit(1) }
 }
 
 #[cfg(not(unix))]

@@ -318,11 +318,13 @@ impl SceneFile {
         let found = found(path);
         if found.exists() && has_extension(&found, "ssp") {
             let imported = ssp::import(&found, &common.overrides)?;
+            let mut unpacked = Some(imported.folder);
+            simulation::supervise(&imported.scene, &mut unpacked);
             return Ok(Self {
                 scene: imported.scene,
                 name: scene_name(&found),
                 base: imported.base,
-                unpacked: Some(imported.folder),
+                unpacked,
                 notes: imported.notes,
             });
         }
@@ -335,6 +337,7 @@ impl SceneFile {
         let origin = path.display().to_string();
         let scene = system::load_with(&text, &origin, &common.overrides, &files).map_err(SetupError::from)?;
         drop(files);
+        simulation::supervise(&scene, &mut None);
         let notes = simulation::size::notice(&scene).into_iter().collect();
         Ok(Self {
             scene,

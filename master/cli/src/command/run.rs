@@ -103,7 +103,8 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     let finished = prepared.run(mode, &source, &watch, |scene| {
         let mut opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
         let holder = format!("`master run` of {}", path.display());
-        opened.lock(&holder).map_err(CommandError::Directory)?;
+        let broken_off = opened.lock(&holder).map_err(CommandError::Directory)?;
+        broken_off.iter().for_each(|note| say(note));
         if arguments.no_animation {
             opened = opened.without_animation();
         }

@@ -50,6 +50,17 @@ static void daemon_of_its_own(void) {
     wait(NULL);
 }
 
+/* A thread that outlives the instance, and crashes when the library is unloaded. */
+static volatile int haunted = 0, unloading = 0;
+static void *haunt(void *nobody) {
+    while (!unloading) { }
+    *(volatile int *)8 = 1;
+    return nobody;
+}
+__attribute__((destructor)) static void unloaded(void) {
+    if (haunted) { unloading = 1; sleep(10); }
+}
+
 /* Takes all memory that it can have, and does not bear to have no more. */
 static void hoard(void) {
     for (;;) {
@@ -69,6 +80,7 @@ static int fail(head_t *c, const char *fault) {
     if (strcmp(fault, "loop") == 0) while (forever) { }
     if (strcmp(fault, "exit") == 0) exit(3);
     if (strcmp(fault, "_exit") == 0) _exit(4);
+    if (strcmp(fault, "_exit0") == 0) _exit(0);
     if (strcmp(fault, "kill") == 0) raise(SIGKILL);
     if (strcmp(fault, "stop") == 0) raise(SIGSTOP);
     if (strcmp(fault, "corrupt") == 0) { corrupt(); raise(SIGSTOP); }
@@ -88,6 +100,10 @@ static int fail(head_t *c, const char *fault) {
     if (strcmp(fault, "print") == 0) { printf("PFMU nonsense on stdout\n"); fflush(stdout); }
     if (strcmp(fault, "wander") == 0 && (chdir("/") != 0 || setlocale(LC_ALL, "C.UTF-8") == NULL)) abort();
     if (strcmp(fault, "home") == 0 && strcmp(setlocale(LC_ALL, NULL), "C") != 0) abort();
+    if (strcmp(fault, "haunt") == 0 && !c->done++) {
+        pthread_t thread;
+        haunted = pthread_create(&thread, NULL, haunt, NULL) == 0;
+    }
     if (strcmp(fault, "thread") == 0) {
         pthread_t thread;
         pthread_create(&thread, NULL, chatter, c);

@@ -11,8 +11,8 @@ pub use stepper::Stepper;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use component::{Frame, Observer, Share};
-use system::run::{Failure, Outcome, Schedule, Steps, Watch};
+use component::{Frame, Observer, Share, Work};
+use system::run::{Failure, Outcome, Schedule, Steps, Watch, caught};
 use system::step_times::StepTimes;
 use system::time_shares;
 
@@ -28,18 +28,20 @@ pub fn run(
     watch: &Watch<'_>,
 ) -> Outcome<CouplingError> {
     let mut under_way = UnderWay::start(sides, algorithm, exchange, recorder, watch);
-    for n in 1..=schedule.steps() {
-        if under_way.interrupted() {
-            break;
+    let defect = caught(|| {
+        for n in 1..=schedule.steps() {
+            if under_way.interrupted() {
+                break;
+            }
+            let (end, h) = schedule.step(n);
+            if let Err(error) = under_way.advance(end, h) {
+                under_way.failure = Some(error.into());
+                break;
+            }
+            under_way.done(end, h, n == schedule.steps());
         }
-        let (end, h) = schedule.step(n);
-        if let Err(error) = under_way.advance(end, h) {
-            under_way.failure = Some(error.into());
-            break;
-        }
-        under_way.done(end, h, n == schedule.steps());
-    }
-    under_way.finish()
+    });
+    under_way.finish(defect)
 }
 
 /// Steps both sides with the steps that `controller` chooses, up to its duration.
@@ -54,16 +56,18 @@ pub fn run_controlled(
     watch: &Watch<'_>,
 ) -> Outcome<CouplingError> {
     let mut under_way = UnderWay::start(sides, algorithm, exchange, recorder, watch);
-    while let Some((end, h)) = controller.next() {
-        if under_way.interrupted() {
-            break;
+    let defect = caught(|| {
+        while let Some((end, h)) = controller.next() {
+            if under_way.interrupted() {
+                break;
+            }
+            if let Err(error) = under_way.advance_controlled(controller, end, h) {
+                under_way.failure = Some(error.into());
+                break;
+            }
         }
-        if let Err(error) = under_way.advance_controlled(controller, end, h) {
-            under_way.failure = Some(error.into());
-            break;
-        }
-    }
-    under_way.finish()
+    });
+    under_way.finish(defect)
 }
 
 /// A coupled run between its start and its end.
@@ -173,9 +177,8 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         }
     }
 
-    fn finish(self) -> Outcome<CouplingError> {
-        let wall = self.begin.elapsed().as_secs_f64();
-        let shares = self.shares(wall);
+    /// What the slaves have done, and their pictures.
+    fn work(&mut self) -> Work {
         let mut work = self.stepper.sides.line.work();
         self.stepper.sides.line.finish_drawing(self.recorder.frames());
         for pantograph in self.stepper.sides.pantographs.iter_mut() {
@@ -186,6 +189,20 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             work.most_iterations = work.most_iterations.max(more.most_iterations);
             pantograph.finish_drawing(self.recorder.frames());
         }
+        work
+    }
+
+    /// The outcome; after a `defect`, its message, the slaves are asked nothing.
+    fn finish(mut self, defect: Option<String>) -> Outcome<CouplingError> {
+        let wall = self.begin.elapsed().as_secs_f64();
+        let (shares, work) = match defect {
+            Some(message) => {
+                let t = self.stepper.exchange.point(0).t;
+                self.failure = Some(Failure::Defect { t, message });
+                (Vec::new(), Work::default())
+            }
+            None => (self.shares(wall), self.work()),
+        };
         Outcome {
             failure: self.failure,
             energy_residual: self.stepper.exchange.energy_residual(),

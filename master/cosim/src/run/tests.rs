@@ -196,7 +196,7 @@ fn a_step_that_fails_is_taken_back_on_both_sides_and_halved() {
     let note = outcome.notes.last().expect("steps that failed are told");
     for part in [
         "30 steps failed",
-        "monolithic",
+        "done in halves",
         "fussy: the step from t = 0 s over 0.1 s failed",
     ] {
         assert!(note.contains(part), "{note}");
@@ -238,6 +238,66 @@ fn an_interrupted_run_keeps_its_start() {
         Some("interrupted at t = 0 s")
     );
     assert_eq!(outcome.record.time, [0.0]);
+}
+
+/// A slave that a defect makes panic in the step from half a second on.
+struct Defective(Box<dyn Slave>);
+
+impl Slave for Defective {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn abilities(&self) -> Abilities {
+        self.0.abilities()
+    }
+
+    fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
+        self.0.set_inputs(values)
+    }
+
+    fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
+        self.0.set_input_derivatives(order, values)
+    }
+
+    fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
+        assert!(t < 0.45, "a defect in step {t:.1}");
+        self.0.do_step(t, h)
+    }
+
+    fn outputs(&mut self, values: &mut [f64]) -> Result<(), SlaveError> {
+        self.0.outputs(values)
+    }
+
+    fn save(&mut self) -> Result<(), SlaveError> {
+        self.0.save()
+    }
+
+    fn restore(&mut self) -> Result<(), SlaveError> {
+        self.0.restore()
+    }
+}
+
+#[test]
+fn regress_35_a_run_that_panics_keeps_what_there_is_also_on_threads_of_their_own() {
+    let on_thread = |slave: Box<dyn Slave>| -> Box<dyn Slave> {
+        match crate::parallel::Parallel::new(Box::new(Defective(slave))) {
+            Ok(parallel) => Box::new(parallel),
+            Err(slave) => slave,
+        }
+    };
+    let runs = [
+        run_of(1.0, true, false, |slave| Box::new(Defective(slave))),
+        run_of(1.0, true, false, on_thread),
+    ];
+    for run in runs {
+        let failure = run.failure.as_ref().expect("it panics").to_string();
+        let expected = "a defect of this program ended the run in the step from t = 0.5 s: a defect in step 0.5";
+        assert_eq!(failure, expected);
+        assert_eq!(run.macro_steps, 5);
+        let last = run.record.time.last().copied();
+        assert!(last.is_some_and(|last| (last - 0.5).abs() < 1e-9), "{last:?}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One run in a folder at a time.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Read as _, Write as _};
+use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::io;
@@ -15,6 +15,8 @@ const LOCK: &str = ".pantoline.lock";
 pub(super) struct Lock {
     path: PathBuf,
     _file: File,
+    /// Words of a holder that has not come to its end in order.
+    pub broken_off: Option<String>,
 }
 
 impl Lock {
@@ -36,10 +38,19 @@ impl Lock {
             if !is_at(&file, &path) {
                 continue;
             }
+            let mut left = String::new();
+            // The words are for a note only.
+            let _ = file.read_to_string(&mut left);
+            let broken_off = Some(left.trim().to_owned()).filter(|left| !left.is_empty());
             let words = format!("{holder} (process {})\n", std::process::id());
+            file.rewind().map_err(io(&path, "write"))?;
             file.set_len(0).map_err(io(&path, "write"))?;
             file.write_all(words.as_bytes()).map_err(io(&path, "write"))?;
-            return Ok(Self { path, _file: file });
+            return Ok(Self {
+                path,
+                _file: file,
+                broken_off,
+            });
         }
     }
 }
