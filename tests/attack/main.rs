@@ -3,6 +3,7 @@
 mod calls;
 mod regressions;
 mod sequence;
+mod soak;
 mod states;
 
 use integration_tests::fmus::Packaged;
