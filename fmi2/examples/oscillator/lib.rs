@@ -10,7 +10,7 @@ mod variables;
 use fmi2::model_description::Variable;
 use fmi2::slave::{Model, ModelError, ModelResult};
 use std::path::Path;
-use variables::at;
+pub use variables::at;
 
 /// Failure that a test asks for, the value of `trouble`.
 mod trouble {
@@ -20,8 +20,9 @@ mod trouble {
     pub const NAN: i32 = 4;
 }
 
+/// The model.
 #[derive(Clone, Debug)]
-struct Oscillator {
+pub struct Oscillator {
     /// kg, N/m, N·s/m, m.
     parameters: [f64; 4],
     label: String,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// Path of the library as loaded; that of the program if statically linked.
-#[cfg(any(target_os = "linux", target_os = "macos"))]
+#[cfg(all(any(target_os = "linux", target_os = "macos"), not(miri)))]
 pub(super) fn path() -> Option<PathBuf> {
     use std::ffi::{CStr, OsStr, c_char, c_int, c_void};
     use std::os::unix::ffi::OsStrExt;
@@ -35,7 +35,7 @@ pub(super) fn path() -> Option<PathBuf> {
     Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
 }
 
-#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+#[cfg(any(miri, not(any(target_os = "linux", target_os = "macos"))))]
 pub(super) fn path() -> Option<PathBuf> {
     None
 }

@@ -129,3 +129,31 @@ fn fmus_in_the_current_directory_are_neither_read_nor_written_by_a_run() {
         "a relative XDG_CACHE_HOME is passed over"
     );
 }
+
+/// Libraries that are beside the program are used as they are.
+#[test]
+fn regress_35_a_co_simulation_needs_no_cargo_and_nothing_else_from_the_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_master"));
+    command
+        .arg("run")
+        .arg(scene_file())
+        .args(["--out", "out", "-q", "--no-report"]);
+    for key in [
+        "catenary.spans=3",
+        "catenary.mesh.elements_per_interval=1",
+        "run.duration=0.1",
+        "run.evaluate={ time = [0.0, 0.1] }",
+    ] {
+        command.args(["--set", key]);
+    }
+    command
+        .current_dir(folder.path())
+        .env_clear()
+        .env("TMPDIR", folder.path());
+    command.env("HOME", folder.path()).env("PATH", "");
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let summary = std::fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
+    assert!(summary.contains("\"mode\": \"cosimulation\""), "{summary}");
+}

@@ -193,6 +193,24 @@ fn failing() -> RunBundle {
     bundle
 }
 
+/// A summary is a file that anybody may have written.
+#[test]
+fn regress_35_a_unit_of_any_length_makes_neither_table_nor_page_panic() {
+    for unit in [
+        "é".repeat(100_000),
+        "\u{1f682}".repeat(70_000),
+        "m".repeat(1 << 20),
+        String::new(),
+    ] {
+        let mut bundle = failing();
+        for limit in &mut bundle.summary.limits {
+            limit.unit.clone_from(&unit);
+        }
+        assert!(!table(&bundle.summary).is_empty());
+        assert!(render(std::slice::from_ref(&bundle)).starts_with("<!DOCTYPE html>"));
+    }
+}
+
 #[test]
 fn table_and_page_open_with_the_verdict_and_the_failed_limits_first() {
     let bundle = failing();
