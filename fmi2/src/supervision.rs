@@ -41,10 +41,10 @@ mod unix {
     use std::process::{Command, ExitStatus, Stdio};
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+    use std::time::Duration;
 
     use crate::import::guard::{self, Ending};
     use crate::import::process;
-    use crate::isolation::CLOSED_GRACE;
     use crate::scratch::Scratch;
 
     /// Variable of the environment that gives the child the number of its parent.
@@ -91,7 +91,7 @@ mod unix {
         };
         guard::supervised(channel.as_raw_fd());
         // Without the thread, the child of a parent that was killed goes on to its end.
-        let _ = process::end_when_closed(&channel, CLOSED_GRACE);
+        let _ = process::end_when_closed(&channel, Duration::ZERO);
         CHANNEL.set(channel).is_ok()
     }
 

@@ -521,7 +521,7 @@ fn a_run_that_is_watched_is_like_any_other() {
     assert_eq!(ended.output.status.code(), Some(2), "{}", ended.said());
     // An end in order where the process that watches is asked alone, and where it is killed.
     for (signal, status) in [("TERM", Some(1)), ("KILL", None)] {
-        let long = ["--set", "run.duration=60", "--set", "run.speed_kmh=5", "-q"];
+        let long = ["--set", "run.duration=600", "--set", "run.speed_kmh=0.5", "-q"];
         let mut command = case.command(signal, &long);
         let mut master = command.stderr(Stdio::piped()).spawn().unwrap();
         let begin = Instant::now();
