@@ -50,6 +50,22 @@ fn a_planar_line_in_its_modes_is_the_linearised_one() {
     assert!(difference < 2.5, "{difference} %");
 }
 
+/// Slack droppers and the move of the strip are followed within steps, so that steps of 2 ms hardly tell.
+#[test]
+fn longer_steps_change_the_force_little() {
+    let of = |step: f64| {
+        run(
+            scene(EN_300, "\"modal\"", step, &[MESH]),
+            Mode::Monolithic,
+            "modal-steps",
+        )
+    };
+    let (fine, long) = (of(2.5e-4), of(2e-3));
+    let difference = 100.0 * long.filtered_difference(&fine) / fine.sigma();
+    println!("steps of 2 ms: {difference:.3} % of σ");
+    assert!(difference < 1.0, "{difference} %");
+}
+
 #[test]
 fn dampers_in_the_droppers_are_those_of_the_line() {
     let words = ["\"planar\", \"linearised\"", "\"modal\""];

@@ -1,14 +1,14 @@
 //! Exact solution of a mode over a step.
-use nalgebra::Matrix4;
+use nalgebra::SMatrix;
 
 /// Factors of a step of `h` s for all modes, each a vector over the modes:
 ///
 /// ```text
-/// q₁ − q₀ = qq q₀ + qv v₀ + q0 r₀ + q1 r₁
-/// v₁ − v₀ = vq q₀ + vv v₀ + v0 r₀ + v1 r₁
+/// q₁ − q₀ = qq q₀ + qv v₀ + q0 r₀ + q1 r₁ − qb s
+/// v₁ − v₀ = vq q₀ + vv v₀ + v0 r₀ + v1 r₁ − vb s
 /// ```
 ///
-/// with the modal force linear from `r₀` to `r₁`. A step of 0 s leads to the state at rest under `r₁`. Changes over a
+/// with the modal force `r₀ + (r₁ − r₀) τ/h − ½ τ (h − τ) s` at `τ` in the step, `s` its second derivative. A step of 0 s leads to the state at rest under `r₁`. Changes over a
 /// step keep their digits in single precision: a slow mode changes by a millionth of itself.
 #[derive(Clone, Debug, Default)]
 pub struct StepFactors {
@@ -30,6 +30,10 @@ pub struct StepFactors {
     pub v0: Vec<f32>,
     /// Change of `v` by `r₁`, s.
     pub v1: Vec<f32>,
+    /// Change of `q` by `−s`, s⁴.
+    pub qb: Vec<f32>,
+    /// Change of `v` by `−s`, s³.
+    pub vb: Vec<f32>,
 }
 
 impl StepFactors {
@@ -39,7 +43,7 @@ impl StepFactors {
         let mut factors = Self { h, ..Self::default() };
         for (&stiffness, &damping) in stiffness.iter().zip(damping) {
             let [q, v] = if h == 0.0 {
-                [[0.0, 0.0, 0.0, 1.0 / stiffness], [0.0; 4]]
+                [[0.0, 0.0, 0.0, 1.0 / stiffness, 0.0], [0.0; 5]]
             } else {
                 over(stiffness, damping, h)
             };
@@ -52,6 +56,8 @@ impl StepFactors {
                 (&mut factors.vv, v[1] - 1.0),
                 (&mut factors.v0, v[2]),
                 (&mut factors.v1, v[3]),
+                (&mut factors.qb, q[4]),
+                (&mut factors.vb, v[4]),
             ];
             for (row, factor) in rows {
                 row.push(factor as f32);
@@ -61,27 +67,15 @@ impl StepFactors {
     }
 }
 
-/// Both rows of one mode: the exponential of `h` times the matrix of `(q, v, r, ṙ)`.
-fn over(stiffness: f64, damping: f64, h: f64) -> [[f64; 4]; 2] {
-    // Rates per step: ṙ and v in units of a step.
-    let rate = Matrix4::new(
-        0.0,
-        1.0,
-        0.0,
-        0.0,
-        -stiffness * h * h,
-        -damping * h,
-        h * h,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        1.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-    );
+/// Matrix of `(q, v, r, ṙ, r̈)`.
+type Rates = SMatrix<f64, 5, 5>;
+
+/// Both rows of one mode: the exponential of `h` times the matrix of `(q, v, r, ṙ, r̈)`.
+fn over(stiffness: f64, damping: f64, h: f64) -> [[f64; 5]; 2] {
+    // Rates per step: v and ṙ in units of a step, r̈ in those of its square.
+    let mut rate = Rates::zeros();
+    (rate[(0, 1)], rate[(2, 3)], rate[(3, 4)]) = (1.0, 1.0, 1.0);
+    (rate[(1, 0)], rate[(1, 1)], rate[(1, 2)]) = (-stiffness * h * h, -damping * h, h * h);
     let e = exponential(&rate);
     let row = |i: usize, unit: f64| {
         [
@@ -89,13 +83,14 @@ fn over(stiffness: f64, damping: f64, h: f64) -> [[f64; 4]; 2] {
             e[(i, 1)] * h * unit,
             (e[(i, 2)] - e[(i, 3)]) * unit,
             e[(i, 3)] * unit,
+            (0.5 * e[(i, 3)] - e[(i, 4)]) * h * h * unit,
         ]
     };
     [row(0, 1.0), row(1, 1.0 / h)]
 }
 
 /// `exp(A)` by scaling and squaring of the series.
-fn exponential(a: &Matrix4<f64>) -> Matrix4<f64> {
+fn exponential(a: &Rates) -> Rates {
     /// Terms that leave the rounding error of a matrix with a norm of a half.
     const TERMS: usize = 14;
     let norm = a.abs().column_sum().max();
@@ -105,9 +100,9 @@ fn exponential(a: &Matrix4<f64>) -> Matrix4<f64> {
         0
     };
     let a = a / 2.0_f64.powi(halvings);
-    let mut sum = Matrix4::identity();
+    let mut sum = Rates::identity();
     for term in (1..=TERMS).rev() {
-        sum = Matrix4::identity() + a * sum / term as f64;
+        sum = Rates::identity() + a * sum / term as f64;
     }
     for _ in 0..halvings {
         sum *= sum;
@@ -120,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_step_follows_the_closed_form_of_a_damped_oscillator() {
+    fn a_step_follows_the_closed_form_of_an_oscillator() {
         let (omega, damping, h) = (40.0_f64, 6.0, 0.03);
         let [q, v] = over(omega * omega, damping, h);
         let half = 0.5 * damping;
@@ -135,6 +130,13 @@ mod tests {
         let constant = (1.0 - decay * (cos + half / turn * sin)) / (omega * omega);
         assert!((q[2] + q[3] - constant).abs() < 1e-16);
         assert!((v[2] + v[3] - decay * sin / turn).abs() < 1e-14);
+        // Under a force that rises with the square of time, from rest, with no damping.
+        let [q, v] = over(omega * omega, 0.0, h);
+        let (cos, sin) = ((omega * h).cos(), (omega * h).sin());
+        let end = 0.5 * h * h;
+        let quadratic = (end - (1.0 - cos) / (omega * omega)) / (omega * omega);
+        assert!((q[3] * end - q[4] - quadratic).abs() < 1e-17);
+        assert!((v[3] * end - v[4] - (h - sin / omega) / (omega * omega)).abs() < 1e-15);
         // A rate whose exponential is beyond all series.
         let [stiff, _] = over(1e10, 1e6, h);
         assert!((stiff[2] + stiff[3] - 1e-10).abs() < 1e-15 && stiff[0].abs() < 1e-9);
@@ -146,7 +148,7 @@ mod tests {
         let [q, v] = over(stiffness, damping, 0.01);
         let [whole, _] = over(stiffness, damping, 0.02);
         let step = |[x, y]: [f64; 2], r: [f64; 2]| {
-            let row = |row: [f64; 4]| row[0] * x + row[1] * y + row[2] * r[0] + row[3] * r[1];
+            let row = |row: [f64; 5]| row[0] * x + row[1] * y + row[2] * r[0] + row[3] * r[1];
             [row(q), row(v)]
         };
         let twice = step(step([0.3, -2.0], [5.0, 7.0]), [7.0, 9.0]);

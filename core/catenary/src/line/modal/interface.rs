@@ -1,8 +1,8 @@
 //! The line as strips see it: a contribution of forces on massless points under the strips.
-use super::curve::Place;
+use super::lacking::Lacking;
 use super::modes::Modes;
+use super::point::ContactPoint;
 use super::slack::{Answers, Candidates};
-use crate::{CurveColumns, WireCurve};
 use dynamics::modal::kernels::{self, LANES, TOGETHER};
 use dynamics::unilateral::next_of;
 use dynamics::{Blocks, Force, LowRank, Lu, Motion, State, StepHistory, Updates, Weights};
@@ -27,48 +27,6 @@ const DRAWN: f64 = 30.0;
 /// Step factors kept: those of a step and of what is left of a communication step.
 const KEPT: usize = 3;
 
-/// A point under a strip.
-pub(super) struct ContactPoint {
-    coordinate: usize,
-    wire: Arc<dyn WireCurve>,
-    /// Zeros, one for each coordinate of the wire.
-    rest: Arc<[f64]>,
-    place: Place,
-    /// Columns of the wire at the point.
-    pub columns: CurveColumns,
-    /// True for a strip under the wire.
-    pub on: bool,
-    /// Parameter on the wire at the end of the last step and in the present one, m.
-    s: [f64; 2],
-    /// Place along the track, m.
-    x: f64,
-    /// `φₖ(x)` of all modes.
-    pub shape: Vec<f32>,
-    /// `∂φₖ/∂x`.
-    slope: Vec<f32>,
-    /// Amplitudes at the end of the step and their rates by a unit force.
-    pub by_force: [Vec<f32>; 2],
-}
-
-impl ContactPoint {
-    /// A point of `wire` with its coordinate.
-    pub fn new(coordinate: usize, wire: Arc<dyn WireCurve>, rest: Arc<[f64]>, place: Place) -> Self {
-        Self {
-            coordinate,
-            wire,
-            rest,
-            place,
-            x: f64::NAN,
-            columns: CurveColumns::default(),
-            on: false,
-            s: [f64::NAN; 2],
-            shape: Vec::new(),
-            slope: Vec::new(),
-            by_force: [Vec::new(), Vec::new()],
-        }
-    }
-}
-
 /// The line in its modes as strips see it.
 pub(super) struct Interface {
     modes: Arc<Modes>,
@@ -87,8 +45,7 @@ pub(super) struct Interface {
     joint_rates: Vec<f64>,
     /// Force of each strip at the end of the last step, N.
     forces: Vec<f64>,
-    /// Force that a slack dropper lacks beyond what it lacks at rest, at the end of the last step, N.
-    lacking: Vec<f64>,
+    lacking: Lacking,
     /// Deflection of the points at the end of the last step, m, and their rates, m/s.
     reached: Vec<f64>,
     rates: Vec<f64>,
@@ -119,6 +76,8 @@ struct Step {
     begun: bool,
     q_free: Vec<f32>,
     v_free: Vec<f32>,
+    /// Room for modal forces.
+    bend: Vec<f32>,
     /// Deflection of the points without forces at the end, m.
     free: Vec<f64>,
     /// Compliance of the points, m/N, row by row, and its factors.
@@ -142,8 +101,7 @@ impl Interface {
             .count();
         let mut points = points;
         for point in &mut points {
-            (point.shape, point.slope) = (vec![0.0; count], vec![0.0; count]);
-            point.by_force = [vec![0.0; count], vec![0.0; count]];
+            point.take_room(count);
         }
         Self {
             arch: Arch::new(),
@@ -154,7 +112,7 @@ impl Interface {
             repaying: Vec::with_capacity(modes.borrowed.len()),
             joint_rates: vec![f64::NAN; modes.borrowed.len()],
             forces: vec![0.0; contacts],
-            lacking: vec![0.0; droppers],
+            lacking: Lacking::new(droppers),
             reached: vec![0.0; contacts],
             rates: vec![0.0; contacts],
             residual: vec![0.0; contacts],
@@ -169,6 +127,7 @@ impl Interface {
             step: Step {
                 q_free: vec![0.0; count],
                 v_free: vec![0.0; count],
+                bend: vec![0.0; count],
                 free: vec![0.0; contacts],
                 compliance: vec![0.0; contacts * contacts],
                 forces: vec![0.0; contacts],
@@ -209,7 +168,7 @@ impl Interface {
 
     /// Force that a dropper lacks, N: that of a spring that pushes.
     fn lacks(&self, dropper: usize) -> f64 {
-        self.lacking[dropper] + self.modes.lacks_at_rest(dropper)
+        self.lacking.beyond_rest()[dropper] + self.modes.lacks_at_rest(dropper)
     }
 
     /// Number of slack droppers.
@@ -261,7 +220,9 @@ impl Interface {
             }
             let motion = self.motion_of(joint);
             if let Some(dropper) = own {
-                self.tensions[dropper] = self.spring(dropper, motion, self.modes.law.damping);
+                let now = self.spring(dropper, motion, self.modes.law.damping);
+                let before = std::mem::replace(&mut self.tensions[dropper], now);
+                self.lacking.cross(dropper, [before, now]);
             }
             let [_, rate] = motion;
             let before = std::mem::replace(&mut self.joint_rates[joint], rate);
@@ -281,8 +242,7 @@ impl Interface {
         let by_strips: f64 = strips
             .map(|(point, force)| force * self.modes.residual_by_dropper(&point.columns, dropper))
             .sum();
-        let slack = self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0);
-        let by_droppers: f64 = slack
+        let by_droppers: f64 = (self.lacking.all())
             .map(|(other, lacking)| lacking * self.modes.residual_between(dropper, other))
             .sum();
         by_strips - by_droppers
@@ -316,49 +276,34 @@ impl Interface {
         self.choose_factors();
         let arch = self.arch;
         for point in &mut self.points {
-            let s = point.place.get();
-            point.on = s.is_finite();
-            point.s[1] = s;
-            point.columns.clear();
-            if point.on {
-                point.wire.columns(s, &mut point.columns);
-                point.x = point.wire.point(s, &point.rest, &point.rest).r.x;
-            }
-            let mut rows = [([0.0; 2], &[][..]); CurveColumns::CAPACITY];
-            let mut count = 0;
-            for column in point.columns.as_slice() {
-                if let Some(row) = self.modes.at(column.index) {
-                    rows[count] = ([column.n.z, column.n_s.z].map(|weight| weight as f32), row);
-                    count += 1;
-                }
-            }
-            kernels::shape(arch, &rows[..count], &mut point.shape, &mut point.slope);
+            point.expect((arch, &self.modes));
         }
         let factors = &self.factors[0].step;
         let step = &mut self.step;
         let motion = [&self.q[..], &self.v, &self.r];
         let ends = [&mut step.q_free[..], &mut step.v_free];
         kernels::free(arch, factors, motion, &self.repaid, ends);
-        for point in self.points.iter_mut().filter(|point| point.on) {
-            let [q, v] = &mut point.by_force;
-            kernels::products(arch, &point.shape, &factors.q1, q);
-            kernels::products(arch, &point.shape, &factors.v1, v);
+        let bends = self.lacking.bends(&self.modes, step.h);
+        step.bend.fill(0.0);
+        if add_joints(arch, &self.modes, bends, &mut step.bend) > 0 {
+            kernels::add_bend(arch, factors, &step.bend, [&mut step.q_free, &mut step.v_free]);
+        }
+        for (point, force) in self.points.iter_mut().zip(&self.forces) {
+            point.answer((arch, factors), *force, [&mut step.q_free, &mut step.v_free]);
         }
         let contacts = self.points.len();
         for (i, point) in self.points.iter().enumerate() {
-            step.free[i] = dot(arch, &point.shape, &step.q_free);
-            for (j, other) in self.points.iter().enumerate().take(i + 1) {
+            step.free[i] = dot(arch, point.shape(), &step.q_free);
+            for (j, other) in self.points.iter().enumerate() {
                 let both = point.on && other.on;
-                let value = if both {
-                    dot(arch, &point.shape, &other.by_force[0])
+                step.compliance[i * contacts + j] = if both {
+                    dot(arch, point.shape(), &other.by_force[0])
                         + self.modes.residual_between_points(&point.columns, &other.columns)
                 } else if i == j {
                     1.0 / HELD
                 } else {
                     0.0
                 };
-                step.compliance[i * contacts + j] = value;
-                step.compliance[j * contacts + i] = value;
             }
         }
         step.factored.matrix(contacts).copy_from_slice(&step.compliance);
@@ -371,7 +316,7 @@ impl Interface {
             (arch, &self.modes, &mut self.factors[0]),
             (&self.points, &step.factored),
             [&step.q_free, &step.v_free],
-            droppers.map(|dropper| (dropper, self.lacking[dropper])),
+            droppers.map(|dropper| (dropper, self.lacking.beyond_rest()[dropper])),
         );
         self.find_slope();
     }
@@ -451,19 +396,22 @@ fn dot(arch: Arch, a: &[f32], b: &[f32]) -> f64 {
     sum
 }
 
-/// Adds the modal forces of forces along droppers and supports, N.
-fn add_joints(arch: Arch, modes: &Modes, joints: impl Iterator<Item = (usize, f64)>, forces: &mut [f32]) {
+/// Adds the modal forces of forces along droppers and supports, N, and counts these.
+fn add_joints(arch: Arch, modes: &Modes, joints: impl Iterator<Item = (usize, f64)>, forces: &mut [f32]) -> usize {
+    let mut all = 0;
     let mut rows = [(0.0, &[][..]); TOGETHER];
     let mut count = 0;
     for (joint, force) in joints {
         rows[count] = (force as f32, modes.joint(joint));
         count += 1;
+        all += 1;
         if count == TOGETHER {
             kernels::add(arch, &rows, forces);
             count = 0;
         }
     }
     kernels::add(arch, &rows[..count], forces);
+    all
 }
 
 impl Force for Interface {
@@ -517,33 +465,31 @@ impl StepHistory for Interface {
         }
         let (arch, h) = (self.arch, self.step.h);
         self.forces.copy_from_slice(&self.step.forces);
-        for (dropper, lacking) in self.step.candidates.lacking() {
-            self.lacking[dropper] = lacking;
-        }
+        self.lacking.end_step(h, self.step.candidates.lacking());
         self.r.fill(0.0);
-        for (point, force) in self.points.iter().zip(&self.forces) {
-            kernels::add(arch, &[(*force as f32, &point.shape)], &mut self.r);
-        }
-        let lacking = self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0);
-        let lacking = lacking.map(|(dropper, lacking)| (dropper, -lacking));
+        let lacking = self.lacking.all().map(|(dropper, lacking)| (dropper, -lacking));
         add_joints(arch, &self.modes, lacking, &mut self.r);
         let known = [&self.repaid[..], &self.step.q_free, &self.step.v_free];
         let ends = [&mut self.r[..], &mut self.q, &mut self.v];
         kernels::finish(arch, &self.factors[0].step, known, ends);
+        for (point, force) in self.points.iter().zip(&self.forces) {
+            let [by_q, by_v] = &point.by_force;
+            let ends = [&mut self.r[..], &mut self.q, &mut self.v];
+            kernels::add_answer(arch, *force as f32, [point.shape(), by_q, by_v], ends);
+        }
         for (i, point) in self.points.iter_mut().enumerate() {
             self.reached[i] = motion.q[point.coordinate];
-            let [of_modes, rate] = kernels::dots(arch, &point.shape, [&self.q, &self.v]);
+            let [of_modes, rate] = kernels::dots(arch, point.shape(), [&self.q, &self.v]);
             let residual = if point.on { self.reached[i] - of_modes } else { 0.0 };
-            let [before, now] = point.s;
-            let moved = now - before;
+            let moved = point.moved();
             self.rates[i] = if h > 0.0 && moved.is_finite() {
-                let along = dot(arch, &point.slope, &self.q) * moved;
+                let along = dot(arch, point.slope(), &self.q) * moved;
                 rate + (along + residual - self.residual[i]) / h
             } else {
                 0.0
             };
             self.residual[i] = residual;
-            point.s[0] = now;
+            point.s[0] = point.s[1];
         }
         self.steps += usize::from(h > 0.0);
         self.step.open = false;
@@ -567,7 +513,6 @@ impl StepHistory for Interface {
         out.extend(self.points.iter().map(|point| point.s[0]));
         let all = [
             &self.forces,
-            &self.lacking,
             &self.tensions,
             &self.reached,
             &self.rates,
@@ -576,6 +521,7 @@ impl StepHistory for Interface {
             &self.joint_rates,
         ];
         all.iter().for_each(|values| out.extend_from_slice(values));
+        self.lacking.save(out);
         let modes = [&self.q, &self.v, &self.r, &self.repaid];
         out.extend(modes.into_iter().flatten().copied().map(f64::from));
     }
@@ -586,7 +532,6 @@ impl StepHistory for Interface {
         self.points.iter_mut().for_each(|point| point.s[0] = next());
         let all = [
             &mut self.forces,
-            &mut self.lacking,
             &mut self.tensions,
             &mut self.reached,
             &mut self.rates,
@@ -597,8 +542,12 @@ impl StepHistory for Interface {
         for values in all {
             values.iter_mut().for_each(|value| *value = next());
         }
+        self.lacking.restore(values);
         let modes = [&mut self.q, &mut self.v, &mut self.r, &mut self.repaid];
-        modes.into_iter().flatten().for_each(|value| *value = next() as f32);
+        modes
+            .into_iter()
+            .flatten()
+            .for_each(|value| *value = next_of(values) as f32);
         self.step.open = false;
     }
 }

@@ -7,8 +7,9 @@
 //! q̈ₖ + cₖ q̇ₖ + ωₖ² qₖ = Σᵢ φₖ(xᵢ) Fᵢ − Σⱼ dₖⱼ pⱼ,    cₖ = φₖᵀ D φₖ,    dₖⱼ = gⱼᵀ φₖ
 //! ```
 //!
-//! is solved exactly for modal forces linear within a step: neither dispersion nor numerical damping is left. At the
-//! end of a step the deflection of the wire under the strips is linear in the forces there, `w = w₀ + A F − C p`,
+//! is solved exactly for modal forces with a constant second derivative within a step: neither dispersion nor numerical
+//! damping is left. Strips that move on have such forces, and droppers that stay slack ([`lacking`]). At the end of a
+//! step the deflection of the wire under the strips is linear in the forces there, `w = w₀ + A F − C p`,
 //! so that contact and pantographs see a massless, yielding point under each strip, and the integrator no
 //! coordinate of the line. Modes that are left out answer as if they were at rest, by the residual compliances
 //! `K⁻¹ − Σₖ φₖ φₖᵀ/ωₖ²` of strips and droppers.
@@ -22,6 +23,8 @@
 //! modes      the modes of a linearised line, and what the ones left out add
 //! interface  the line as strips see it, as a contribution of forces
 //! slack      droppers that may be slack at the end of a step
+//! lacking    forces that slack droppers lack, within steps
+//! point      a point of the line under a strip
 //! curve      the contact wire under one strip
 //! store      modes found before
 //! packed     rows of them as bytes
@@ -29,8 +32,10 @@
 mod base;
 mod curve;
 mod interface;
+mod lacking;
 mod modes;
 mod packed;
+mod point;
 mod slack;
 mod store;
 
@@ -41,8 +46,9 @@ use crate::{
 };
 use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
-use interface::{ContactPoint, Interface};
+use interface::Interface;
 use nalgebra::Vector3;
+use point::ContactPoint;
 use scene::{Reduction, Scene};
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! Droppers that may be slack at the end of a step.
-use super::interface::ContactPoint;
 use super::modes::Modes;
+use super::point::ContactPoint;
 use dynamics::Lu;
 use dynamics::modal::{StepFactors, kernels};
 use pulp::Arch;
@@ -103,14 +103,16 @@ impl Candidates {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
             self.free.push(spring + law.damping * rate);
             for point in points {
-                let (mut deflection, mut rate) = (0.0, 0.0);
+                let [mut deflection, mut elongation, mut rate] = [0.0; 3];
                 if point.on {
                     let [q, v] = &point.by_force;
-                    [deflection, rate] = kernels::dots(arch, row, [q, v]);
-                    deflection += modes.residual_by_dropper(&point.columns, dropper);
+                    [deflection, elongation, rate] = kernels::dots(arch, row, [&point.fixed, q, v]);
+                    let residual = modes.residual_by_dropper(&point.columns, dropper);
+                    deflection += residual;
+                    elongation += residual;
                 }
                 self.deflections.push(deflection);
-                self.tensions.push(law.stiffness * deflection + law.damping * rate);
+                self.tensions.push(law.stiffness * elongation + law.damping * rate);
             }
             let first = self.held.len();
             self.held.extend_from_slice(&self.deflections[first..]);
