@@ -82,6 +82,26 @@ fn a_stitched_line_in_space_and_one_of_twin_wires_in_their_modes_are_the_lineari
     }
 }
 
+#[test]
+fn dampers_that_steps_cannot_bear_are_refused_with_the_largest_that_they_can() {
+    let with = |damping: f64| {
+        scene(
+            EN_300,
+            "\"modal\"",
+            1e-3,
+            &[MESH, &format!("catenary.droppers.damping={damping}")],
+        )
+    };
+    let damped = with(1e4);
+    let statics = static_line(&damped).unwrap();
+    let refused = Subsystem::new(&damped, &statics).err().expect("too much").to_string();
+    assert!(refused.contains("catenary.droppers.damping = 10000 N s/m"), "{refused}");
+    let most = refused.split("at most ").nth(1).unwrap().split(' ').next().unwrap();
+    let most: f64 = most.parse().unwrap();
+    let run = run(with(most - 1.0), Mode::Monolithic, "modal-damped");
+    assert!(run.sigma() > 10.0 && run.sigma() < 60.0, "{} N", run.sigma());
+}
+
 /// Contact force and height of the wire at rest on a strip that stands at `x` m, with the height that lifts the
 /// linearised line by 150 N.
 fn at_rest(words: &str, x: f64) -> (f64, f64) {

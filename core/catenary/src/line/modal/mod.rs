@@ -49,7 +49,7 @@ use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
 use interface::Interface;
 use nalgebra::Vector3;
 use point::ContactPoint;
-use scene::{Reduction, Scene};
+use scene::{Reduction, Scene, Wire, WireKind};
 use std::sync::Arc;
 
 pub(crate) use base::{Base, Wish};
@@ -84,8 +84,9 @@ impl ModalLine {
     /// The line of a scene in its modes; adds one coordinate per strip and contact wire to `layout`.
     ///
     /// # Errors
-    /// See [`StaticsError::Modes`].
+    /// See [`StaticsError::Modes`] and [`StaticsError::DampedDroppers`].
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
+        check_dampers(scene)?;
         let beta = scene.modelled_line().map_or(0.0, |(line, _)| line.damping.beta);
         let wish = Wish {
             flat: scene.model.has(Reduction::Flat),
@@ -153,6 +154,32 @@ impl ModalLine {
         let topology = self.shape.topology();
         self.uplift.most_lifted(topology, mast, |at| self.rise(at))
     }
+}
+
+/// Refuses dampers of droppers that forces from step to step cannot stand for.
+///
+/// Waves of both wires bear a damper `b` between them: a force that rises within a step leaves the rate
+/// `a = ½ Σ 1/(2 √(T m))` per newton. With rates continued in a straight line, the force makes rates from step to step
+/// follow `z³ − (1 − 2κ) z² + κ z − κ = 0`, `κ = a b`, whose roots lie within the unit circle below `κ = 1/√3`
+/// (*derived here*).
+fn check_dampers(scene: &Scene) -> Result<(), StaticsError> {
+    /// Largest `κ`, a little below the limit.
+    const MOST: f64 = 0.5;
+    let Some((line, _)) = scene.modelled_line() else {
+        return Ok(());
+    };
+    let compliance = |wire: &Wire| 1.0 / (2.0 * wire.mass_per_length * wire.wave_speed());
+    let above = line.wire_kinds().filter(|(kind, _)| *kind != WireKind::Contact);
+    let above = above.map(|(_, wire)| compliance(wire)).fold(0.0, f64::max);
+    let rate = 0.5 * (compliance(&line.contact_wire) + above);
+    let most = line.damping.beta * line.droppers.stiffness + MOST / rate;
+    if line.droppers.damping > most {
+        return Err(StaticsError::DampedDroppers {
+            damping: line.droppers.damping,
+            most,
+        });
+    }
+    Ok(())
 }
 
 /// Highest frequency of the modes of a scene, Hz.
