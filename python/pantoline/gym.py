@@ -131,7 +131,9 @@ class ContactForceVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], 
                 each case draws, or a function that is given the number of the case (from 0) and a generator, and
                 returns keys with their values. Each case keeps its keys for all its episodes.
             seed: Seed of these draws; what a case draws depends on the seed and its number alone.
-            pantograph, effort, lead: As for :class:`ContactForceEnv`.
+            pantograph: The controlled pantograph, from 1.
+            effort: Weight of the squared action in the reward.
+            lead: Most samples without control before an episode, as for :class:`ContactForceEnv`.
             threads: Most threads; all cores where it is left out.
             autoreset_mode: When an episode that has ended is followed by the next; all three modes of Gymnasium.
 

@@ -38,7 +38,7 @@ pub trait Rule: Send {
     /// The reason why there is no command.
     fn command(&mut self, number: i64, shown: &Reading, desired: f64) -> Result<f64, OutsideError>;
 
-    /// What it has been asked since the start, from which its state follows.
+    /// Questions since the start, from which its state follows.
     fn asked(&self) -> Asked;
 
     /// Goes back, or on, to the state after these questions.

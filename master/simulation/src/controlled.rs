@@ -6,7 +6,7 @@ use catenary::StaticLine;
 use control::SampledLoop;
 use results::statistics::ForceStatistics;
 use results::{Evaluation, Part, Record};
-use scene::{Control, ControlLaw, PantographModel, Scene};
+use scene::{Control, ControlLaw, Lumped, PantographModel, Scene};
 
 /// Part of the limit from which on a drive is at it.
 const AT_LIMIT: f64 = 0.999;
@@ -68,43 +68,47 @@ fn described(scene: &Scene, index: usize, control: &Control) -> String {
 /// Remarks on the stability of the loops by linear theory: the pantograph without friction and stops on a wire of the
 /// static stiffness at the first support and in the middle of the evaluated span `span` (from 1).
 pub(crate) fn foreseen(scene: &Scene, statics: Option<&StaticLine>, span: usize) -> Vec<String> {
-    let mut controls = all(scene).peekable();
-    let (Some(_), Some(line)) = (controls.peek(), statics) else {
-        return Vec::new();
-    };
-    let Some((catenary, _)) = scene.modelled_line() else {
-        return Vec::new();
-    };
-    let (left, right) = (catenary.support_x(span - 1), catenary.support_x(span));
-    let Ok(elasticity) = line.elasticity(&[left, 0.5 * (left + right)]) else {
-        return Vec::new();
-    };
-    let stiffnesses = elasticity.iter().map(|point| 1.0 / point.elasticity);
-    let ends = stiffnesses.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], stiffness| {
-        [least.min(stiffness), most.max(stiffness)]
+    // Found once, for the loops that theory knows.
+    let mut known = None;
+    let mut stiffnesses = || *known.get_or_insert_with(|| static_stiffnesses(scene, statics, span));
+    let remarks = all(scene).filter_map(|(index, control)| match &scene.pantographs[index].model {
+        _ if scene.controller_of(index).is_some() => not_foreseen(scene, index, control),
+        PantographModel::Lumped(lumped) if control.law != ControlLaw::Given => {
+            remark(index, control, lumped, stiffnesses()?)
+        }
+        _ => None,
     });
-    controls
-        .filter_map(|(index, control)| remark(scene, index, control, ends))
-        .collect()
+    remarks.collect()
 }
 
-fn remark(scene: &Scene, index: usize, control: &Control, stiffnesses: [f64; 2]) -> Option<String> {
-    if let Some((number, _)) = scene.controller_of(index) {
-        return Some(format!(
+/// Least and largest static stiffness of the line at the left support and in the middle of a span, N/m.
+fn static_stiffnesses(scene: &Scene, statics: Option<&StaticLine>, span: usize) -> Option<[f64; 2]> {
+    let (catenary, _) = scene.modelled_line()?;
+    let (left, right) = (catenary.support_x(span - 1), catenary.support_x(span));
+    let elasticity = statics?.elasticity(&[left, 0.5 * (left + right)]).ok()?;
+    let stiffnesses = elasticity.iter().map(|point| 1.0 / point.elasticity);
+    Some(
+        stiffnesses.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], stiffness| {
+            [least.min(stiffness), most.max(stiffness)]
+        }),
+    )
+}
+
+/// Remark on a loop whose rule is that of an FMU.
+fn not_foreseen(scene: &Scene, index: usize, control: &Control) -> Option<String> {
+    scene.controller_of(index).map(|(number, _)| {
+        format!(
             "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that \
              its loop bears is not told: runs with a longer pantograph[{0}].control.sensors.delay, or beyond one \
              sample with a longer sample_time, find where the force of the drive runs away; it has {2:.1} ms",
             index + 1,
             number + 1,
             1e3 * control.delay()
-        ));
-    }
-    let PantographModel::Lumped(lumped) = &scene.pantographs[index].model else {
-        return None;
-    };
-    if control.law == ControlLaw::Given {
-        return None;
-    }
+        )
+    })
+}
+
+fn remark(index: usize, control: &Control, lumped: &Lumped, stiffnesses: [f64; 2]) -> Option<String> {
     let margins = stiffnesses.map(|stiffness| {
         let found = SampledLoop::new(control, lumped, stiffness).ok();
         found.map(|found| (found.spectral_radius(), found.delay_margin(), stiffness))

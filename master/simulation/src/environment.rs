@@ -315,3 +315,18 @@ fn on_threads<I: Send, T: Send>(threads: usize, items: Vec<I>, work: impl Fn(I) 
     done.sort_unstable_by_key(|(place, _)| *place);
     done.into_iter().map(|(_, result)| result).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_stand_in_the_order_of_the_items_whatever_the_threads() {
+        let squares: Vec<u64> = (0..50).map(|number| number * number).collect();
+        for threads in [0, 1, 2, 7, 80] {
+            let found = on_threads(threads, (0..50).collect(), |number: u64| number * number);
+            assert_eq!(found, squares, "{threads}");
+        }
+        assert_eq!(on_threads(4, Vec::new(), |number: u64| number), Vec::<u64>::new());
+    }
+}
