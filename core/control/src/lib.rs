@@ -13,7 +13,7 @@
 //! | `advance` | time steps of a system with controllers |
 //! | `linear` | linear pantograph on a spring, from sample to sample |
 //! | `riccati` | gains of the linear-quadratic regulator |
-//! | `stability` | poles and delay margin of the sampled loop |
+//! | `stability` | poles and delay margin of the sampled loop, of a rule that is asked by trials |
 #![forbid(unsafe_code)]
 
 mod actuator;

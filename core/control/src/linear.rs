@@ -82,6 +82,13 @@ impl LinearPantograph {
         self.wire_stiffness
     }
 
+    /// Acceleration of the head, m/s², in a state whose first entries are those of this pantograph, under a command.
+    pub(crate) fn head_acceleration(&self, state: &DVector<f64>, command: f64) -> f64 {
+        let row = self.state.row(self.masses);
+        let by_state: f64 = row.iter().zip(state.iter()).map(|(a, x)| a * x).sum();
+        by_state + self.input[self.masses] * command
+    }
+
     /// State that is the force of the drive; none without a lag.
     pub(crate) fn drive_state(&self) -> Option<usize> {
         (self.size() > 2 * self.masses).then_some(2 * self.masses)

@@ -1,5 +1,7 @@
 //! Poles and delay margin of the sampled loop.
 
+mod asked;
+
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::controller::Reading;

@@ -4,15 +4,21 @@ use std::fmt::Write as _;
 
 use catenary::StaticLine;
 use control::SampledLoop;
+use cosim::chain;
+use dynamics::OutsideError;
 use results::statistics::ForceStatistics;
 use results::{Evaluation, Part, Record};
 use scene::{Control, ControlLaw, Lumped, PantographModel, Scene};
+use suppliers::SuppliedController;
 
 /// Part of the limit from which on a drive is at it.
 const AT_LIMIT: f64 = 0.999;
 
 /// Part of the time at its limit from which on a drive does not follow its controller.
 const MOSTLY: f64 = 0.5;
+
+/// Desired contact force of a trial at least, N.
+const LEAST_FORCE: f64 = 1.0;
 
 /// Delays beyond those of the scene, in samples, below which a loop is close to instability.
 const CLOSE: f64 = 1.0;
@@ -67,16 +73,35 @@ fn described(scene: &Scene, index: usize, control: &Control) -> String {
 
 /// Remarks on the stability of the loops by linear theory: the pantograph without friction and stops on a wire of the
 /// static stiffness at the first support and in the middle of the evaluated span `span` (from 1).
-pub(crate) fn foreseen(scene: &Scene, statics: Option<&StaticLine>, span: usize) -> Vec<String> {
-    // Found once, for the loops that theory knows.
+///
+/// The rule of a controller FMU is found by trials, where the FMU is in `controllers`, one place for each pantograph: a
+/// run has taken it.
+pub(crate) fn foreseen(
+    scene: &Scene,
+    statics: Option<&StaticLine>,
+    span: usize,
+    controllers: &mut [Option<SuppliedController>],
+) -> Vec<String> {
+    // Found once, for the loops that linear theory can say something on.
     let mut known = None;
     let mut stiffnesses = || *known.get_or_insert_with(|| static_stiffnesses(scene, statics, span));
-    let remarks = all(scene).filter_map(|(index, control)| match &scene.pantographs[index].model {
-        _ if scene.controller_of(index).is_some() => not_foreseen(scene, index, control),
-        PantographModel::Lumped(lumped) if control.law != ControlLaw::Given => {
-            remark(index, control, lumped, stiffnesses()?)
+    let remarks = all(scene).filter_map(|(index, control)| {
+        let lumped = match &scene.pantographs[index].model {
+            PantographModel::Lumped(lumped) => Some(lumped),
+            _ => None,
+        };
+        if let Some((number, _)) = scene.controller_of(index) {
+            let tried = controllers.get_mut(index).and_then(Option::as_mut).zip(lumped);
+            let Some((controller, lumped)) = tried else {
+                return Some(not_foreseen(index, number, control));
+            };
+            return Some(match tried_rule(scene, index, lumped, stiffnesses()?, controller) {
+                Ok(Some([margin, stiffness])) => asked_in_words((index, number), control, margin, stiffness),
+                Ok(None) => not_foreseen(index, number, control),
+                Err(error) => format!("{}; its trial: {}", not_foreseen(index, number, control), chain(&error)),
+            });
         }
-        _ => None,
+        remark(index, control, lumped?, &mut stiffnesses)
     });
     remarks.collect()
 }
@@ -94,21 +119,83 @@ fn static_stiffnesses(scene: &Scene, statics: Option<&StaticLine>, span: usize) 
     )
 }
 
-/// Remark on a loop whose rule is that of an FMU.
-fn not_foreseen(scene: &Scene, index: usize, control: &Control) -> Option<String> {
-    scene.controller_of(index).map(|(number, _)| {
-        format!(
-            "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that \
-             its loop bears is not told: runs with a longer pantograph[{0}].control.sensors.delay, or beyond one \
-             sample with a longer sample_time, find where the force of the drive runs away; it has {2:.1} ms",
-            index + 1,
-            number + 1,
-            1e3 * control.delay()
-        )
-    })
+/// Remark on a loop whose rule is that of an FMU, and is not tried.
+fn not_foreseen(index: usize, number: usize, control: &Control) -> String {
+    format!(
+        "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that its \
+         loop bears is not told here: master check tries it on a lumped pantograph, and runs with a longer \
+         pantograph[{0}].control.sensors.delay find where the force of the drive runs away; it has {2:.1} ms",
+        index + 1,
+        number + 1,
+        1e3 * control.delay()
+    )
 }
 
-fn remark(index: usize, control: &Control, lumped: &Lumped, stiffnesses: [f64; 2]) -> Option<String> {
+/// Delay that a loop with a controller FMU bears on the softer and the stiffer wire, s, the smaller one first with its
+/// stiffness; none where the run is too short for a trial.
+fn tried_rule(
+    scene: &Scene,
+    index: usize,
+    lumped: &Lumped,
+    stiffnesses: [f64; 2],
+    controller: &mut SuppliedController,
+) -> Result<Option<[f64; 2]>, OutsideError> {
+    let pantograph = &scene.pantographs[index];
+    let Some(control) = &pantograph.control else {
+        return Ok(None);
+    };
+    let start = pantograph.start.map(|start| start.force);
+    let desired = control.force.or(start).unwrap_or_default().max(LEAST_FORCE);
+    let samples = (scene.run.duration / control.sample_time).floor() as usize;
+    controller.keep_history().map_err(OutsideError::new)?;
+    let mut least = [f64::INFINITY, stiffnesses[0]];
+    for stiffness in stiffnesses {
+        let of_loop = SampledLoop::new(control, lumped, stiffness).map_err(OutsideError::new)?;
+        match of_loop.delay_margin_of(controller, desired, samples)? {
+            Some(margin) if margin < least[0] => least = [margin, stiffness],
+            Some(_) => {}
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(least))
+}
+
+/// Remark on the margin that trials of a controller FMU have found, s, least on a wire of `stiffness` N/m.
+fn asked_in_words((index, number): (usize, usize), control: &Control, margin: f64, stiffness: f64) -> String {
+    let (path, controller) = (
+        format!("pantograph[{}].control", index + 1),
+        format!("controller[{}]", number + 1),
+    );
+    let tried = format!("tried on the linear pantograph, the loop with {controller}");
+    let delay = 1e3 * control.delay();
+    if margin.is_infinite() {
+        return format!("{path}: {tried} is stable with delays of up to eight samples; it has {delay:.1} ms");
+    }
+    if margin <= control.delay() {
+        return format!(
+            "{path}: {tried} is unstable on a wire of {stiffness:.0} N/m, the static stiffness of the line, from a \
+             delay of {:.1} ms on, and it has {delay:.1} ms; smaller gains, shorter delays or a shorter sample_time \
+             make it stable",
+            1e3 * margin
+        );
+    }
+    format!(
+        "{path}: {tried} is stable up to a delay of {:.1} ms on a wire of {stiffness:.0} N/m, the static stiffness of \
+         the line without its inertia; it has {delay:.1} ms",
+        1e3 * margin
+    )
+}
+
+fn remark(
+    index: usize,
+    control: &Control,
+    lumped: &Lumped,
+    stiffnesses: &mut dyn FnMut() -> Option<[f64; 2]>,
+) -> Option<String> {
+    if control.law == ControlLaw::Given {
+        return None;
+    }
+    let stiffnesses = stiffnesses()?;
     let margins = stiffnesses.map(|stiffness| {
         let found = SampledLoop::new(control, lumped, stiffness).ok();
         found.map(|found| (found.spectral_radius(), found.delay_margin(), stiffness))

@@ -252,9 +252,9 @@ impl Environments {
         count: usize,
         threads: usize,
         make: impl Fn(usize) -> Result<(SteppedSystem, ForceAim), SetupError> + Sync,
-    ) -> Result<Self, (usize, SetupError)> {
+    ) -> Result<Self, (usize, Box<SetupError>)> {
         let made = on_threads(threads, (0..count).collect(), |case| {
-            make(case).map_err(|error| (case, error))
+            make(case).map_err(|error| (case, Box::new(error)))
         });
         let cases = made
             .into_iter()

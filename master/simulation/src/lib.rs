@@ -31,7 +31,7 @@ mod table_files;
 pub mod wearing;
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use catenary::{CatenaryError, StaticLine};
@@ -119,7 +119,7 @@ pub struct Prepared {
     /// Supplied pantographs, started; `None` for those modelled here.
     pub supplied: Vec<Option<SuppliedPantograph>>,
     /// Controller FMU of each pantograph, started; `None` for pantographs without one.
-    pub(crate) controllers: Vec<Option<SuppliedController>>,
+    pub(crate) controllers: Mutex<Vec<Option<SuppliedController>>>,
     /// Contact force at which each supplied pantograph starts by its own account, N; 0 for those modelled here.
     pub(crate) stated_forces: Vec<f64>,
     pub(crate) line: Option<SuppliedLine>,
@@ -219,6 +219,12 @@ impl Prepared {
             Mode::Monolithic => self.run_as_one(&supports, watch, good),
             Mode::Inprocess | Mode::Cosimulation => self.run_coupled(mode, &supports, source, watch, good),
         }
+    }
+
+    /// Controller FMUs, which are not here any more afterwards.
+    fn take_controllers(&mut self) -> Vec<Option<SuppliedController>> {
+        let controllers = std::mem::take(&mut self.controllers);
+        controllers.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Which pantographs are to step on threads of their own. That goes by the scene alone, not by the machine.
@@ -349,7 +355,7 @@ impl Prepared {
             return Err(SetupError::NotInThisMode { mode, what }.into());
         }
         let mut supplied = std::mem::take(&mut self.supplied);
-        let controllers = std::mem::take(&mut self.controllers);
+        let controllers = self.take_controllers();
         let mut line = self.line.take();
         let others = line.is_some() || supplied.iter().any(Option::is_some);
         if self.scene.run.initialise == Initialise::Equilibrium
@@ -449,7 +455,7 @@ impl Prepared {
     /// # Errors
     /// A scene that is no one system; see [`SetupError`].
     pub fn stepped(mut self) -> Result<SteppedSystem, SetupError> {
-        let controllers = std::mem::take(&mut self.controllers);
+        let controllers = self.take_controllers();
         let statics = self.statics_of_one_system()?;
         let mut stepped = SteppedSystem::new(&self.scene, statics, &evaluated_supports(&self.scene))?;
         for (index, controller) in controllers.into_iter().enumerate() {
@@ -467,7 +473,7 @@ impl Prepared {
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
-        let controllers = std::mem::take(&mut self.controllers);
+        let controllers = self.take_controllers();
         let statics = self.statics_of_one_system()?;
         let mut whole = OneSystem::new(&self.scene, statics, supports).map_err(SetupError::from)?;
         for (index, controller) in controllers.into_iter().enumerate() {

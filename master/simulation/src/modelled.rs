@@ -1,5 +1,7 @@
 //! Model of a scene: parts, parts left out with the reason, worth of the results.
 
+use std::sync::PoisonError;
+
 use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, Lumped, PantographModel, Reduction, Start};
 
@@ -109,7 +111,9 @@ impl Prepared {
             );
         }
         let (span, _) = crate::evaluated_spans(&self.scene);
-        notes.extend(controlled::foreseen(&self.scene, self.statics.as_deref(), span));
+        let mut controllers = self.controllers.lock().unwrap_or_else(PoisonError::into_inner);
+        let statics = self.statics.as_deref();
+        notes.extend(controlled::foreseen(&self.scene, statics, span, &mut controllers));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(

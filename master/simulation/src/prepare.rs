@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::Instant;
 
 use catenary::StaticLine;
@@ -101,7 +102,7 @@ pub fn prepare_on(
         settling: None,
         others,
         supplied,
-        controllers,
+        controllers: Mutex::new(controllers),
         stated_forces,
         line,
         begin,
