@@ -106,11 +106,13 @@ pub(crate) fn foreseen(
     remarks.collect()
 }
 
-/// Least and largest static stiffness of the line at the left support and in the middle of a span, N/m.
+/// Least and largest static stiffness of the line at a support and in the middle of a span, N/m. The support is the
+/// left one, but for the first span, whose left end may be held.
 fn static_stiffnesses(scene: &Scene, statics: Option<&StaticLine>, span: usize) -> Option<[f64; 2]> {
     let (catenary, _) = scene.modelled_line()?;
     let (left, right) = (catenary.support_x(span - 1), catenary.support_x(span));
-    let elasticity = statics?.elasticity(&[left, 0.5 * (left + right)]).ok()?;
+    let support = if span == 1 { right } else { left };
+    let elasticity = statics?.elasticity(&[support, 0.5 * (left + right)]).ok()?;
     let stiffnesses = elasticity.iter().map(|point| 1.0 / point.elasticity);
     Some(
         stiffnesses.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], stiffness| {
