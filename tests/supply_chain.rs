@@ -29,7 +29,11 @@ fn the_supply_chain_holds() {
 fn regress_35_a_licence_a_source_a_duplicate_and_a_yanked_version_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let registry = "registry+https://github.com/rust-lang/crates.io-index";
-    let package = |name: &str, version: &str, license: &str, source: &str| json!({ "name": name, "version": version, "license": license, "source": source });
+    let package = |name: &str, version: &str, license: &str, source: &str| {
+        let mut package = json!({ "name": name, "version": version, "license": license });
+        package["source"] = source.into();
+        package
+    };
     let packages = [
         package("free", "1.0.0", "(MIT OR GPL-3.0) AND Unicode-3.0", registry),
         package("bound", "1.0.0", "GPL-3.0 OR (MIT AND GPL-2.0)", registry),

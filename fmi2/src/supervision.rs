@@ -9,15 +9,17 @@
 //! - Signals that ask for an end are handed on. A child whose parent is gone ends.
 //! - Standard output and standard error are the same files in both, the process group as well.
 
+use std::process::ExitCode;
+
 use crate::isolation;
 use crate::scratch::Scratch;
 
-/// Says with which status the program comes to its end in order.
-pub fn ended(status: u8) {
+/// Says with which status the program comes to its end in order, and returns the status.
+#[must_use]
+pub fn ended(status: u8) -> ExitCode {
     #[cfg(unix)]
     unix::say(status);
-    #[cfg(not(unix))]
-    let _ = status;
+    status.into()
 }
 
 /// Has the rest of the work done by a child that runs the same command, and ends with the status of the child. `fmus`

@@ -141,6 +141,8 @@ fn texts_are_read_set_and_handed_out() {
             set_string::<Oscillator>(c, label.as_ptr(), 1, [c"a text".as_ptr()].as_ptr()),
             OK
         );
+        assert_eq!(setup_experiment::<Oscillator>(c, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(enter_initialization_mode::<Oscillator>(c), OK);
         let mut values: [fmi2String; 2] = [null(); 2];
         let twice = [label[0], label[0]];
         assert_eq!(get_string::<Oscillator>(c, twice.as_ptr(), 2, values.as_mut_ptr()), OK);

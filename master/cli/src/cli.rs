@@ -259,8 +259,7 @@ pub fn main() -> ExitCode {
         command::complain(&format!("error: {}", cosim::chain(&error)));
         error.exit_code()
     });
-    fmi2::supervision::ended(status);
-    status.into()
+    fmi2::supervision::ended(status)
 }
 
 #[cfg(test)]

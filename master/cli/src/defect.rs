@@ -15,10 +15,7 @@ pub fn guarded(program: impl FnOnce() -> ExitCode + UnwindSafe) -> ExitCode {
             usual(info);
         }
     }));
-    catch_unwind(program).unwrap_or_else(|_| {
-        fmi2::supervision::ended(1);
-        ExitCode::FAILURE
-    })
+    catch_unwind(program).unwrap_or_else(|_| fmi2::supervision::ended(1))
 }
 
 /// Message of a panic, with what a report of it needs.

@@ -1,5 +1,5 @@
 //! Faults from outside at every write: kills at random moments, a disk that is full, a folder that cannot be written, a
-//! reader that is gone. Earlier results stay as they were, what is left is no mixture, and the next run comes to its end.
+//! reader that is gone. Earlier results stay as they were, no mixture is left, and the next run comes to its end.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;

@@ -338,13 +338,12 @@ impl SceneFile {
         let scene = system::load_with(&text, &origin, &common.overrides, &files).map_err(SetupError::from)?;
         drop(files);
         simulation::supervise(&scene, &mut None);
-        let notes = simulation::size::notice(&scene).into_iter().collect();
         Ok(Self {
+            notes: simulation::size::notice(&scene).into_iter().collect(),
             scene,
             name: scene_name(&found),
             base,
             unpacked: None,
-            notes,
         })
     }
 

@@ -98,7 +98,6 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
         folder: package::folder(&file.name),
         logging,
     };
-
     let mut output = None;
     let finished = prepared.run(mode, &source, &watch, |scene| {
         let mut opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;

@@ -177,7 +177,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         }
     }
 
-    /// What the slaves have done, and their pictures.
+    /// Work of the slaves; completes their pictures.
     fn work(&mut self) -> Work {
         let mut work = self.stepper.sides.line.work();
         self.stepper.sides.line.finish_drawing(self.recorder.frames());
