@@ -16,7 +16,7 @@ use crate::zip::Archive;
 use crate::{SEEDS, by_thousands, caught, dice, kept, program_fault, unsaid, xml};
 
 /// FMUs of a small line and of its pantograph.
-static PACKAGES: LazyLock<Vec<Package>> = LazyLock::new(|| {
+pub static PACKAGES: LazyLock<Vec<Package>> = LazyLock::new(|| {
     let short = [
         "catenary.spans=2",
         "run.duration=0.2",

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod archives;
+mod libraries;
 mod protocol;
 mod scenes;
 mod ssp;
