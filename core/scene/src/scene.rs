@@ -269,6 +269,21 @@ impl Scene {
         }
     }
 
+    /// Sides that are FMUs of others: the line, then pantographs, then controllers.
+    pub fn supplied_sides(&self) -> impl Iterator<Item = &Supplied> {
+        let line = match &self.catenary {
+            Line::Supplied(side) => Some(side),
+            Line::Modelled(_) => None,
+        };
+        let pantographs = self.pantographs.iter();
+        line.into_iter()
+            .chain(pantographs.filter_map(|pantograph| match &pantograph.model {
+                crate::PantographModel::Supplied(side) => Some(side),
+                _ => None,
+            }))
+            .chain(self.controllers.iter().map(|controller| &controller.side))
+    }
+
     /// The supplied FMUs: that of the line, then those of pantographs, then controllers.
     pub fn supplied_sides_mut(&mut self) -> impl Iterator<Item = &mut Supplied> {
         let line = match &mut self.catenary {

@@ -7,8 +7,7 @@ use scene::Scene;
 /// [`fmi2::supervision`]. `unpacked` is the folder of the archive that the scene was made of. To be called before
 /// anything is written.
 pub fn supervise(scene: &Scene, unpacked: &mut Option<Scratch>) {
-    let mut scene = scene.clone();
-    let in_process = scene.supplied_sides_mut().filter(|side| !side.isolate);
+    let in_process = scene.supplied_sides().filter(|side| !side.isolate);
     let fmus: Vec<String> = in_process.map(|side| side.fmu.clone()).collect();
     fmi2::supervision::supervise(&fmus, unpacked);
 }
