@@ -3,6 +3,7 @@
 use super::{IDENTIFIERS, SMALL};
 use fmi2::import::{Fmu, StepOutcome};
 use fmi2::isolation::{self, Isolation};
+use fmi2::model_description::Causality;
 use integration_tests::fmus::{Packaged, initialise, reference};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -93,11 +94,9 @@ fn starts(count: usize) {
         }
     });
     let after = Footprint::now();
-    assert_eq!(
-        (after.handles, after.children),
-        (handles, 0),
-        "a handle or a process is left"
-    );
+    let held = (before.handles, 0);
+    assert_eq!((after.handles, after.children), held, "a handle or a process is left");
+    assert!(after.threads <= before.threads, "a thread is left");
     assert!(grown < 2000 + count as i64 / 10, "{grown} kB more");
 }
 
@@ -116,6 +115,16 @@ fn long(fmu: &Fmu, (set, read): (&str, &str), input: (f64, f64), hours: f64) -> 
     instance.setup_experiment(0.0, None, None).unwrap();
     instance.enter_initialization_mode().unwrap();
     instance.exit_initialization_mode().unwrap();
+    // A strip that stands: at any other speed it would leave the line within hours.
+    if let Some(speed) = fmu
+        .description()
+        .variables
+        .iter()
+        .find(|variable| variable.name == "strip[1].vx")
+        && speed.causality == Causality::Input
+    {
+        instance.set_real(&[speed.value_reference], &[0.0]).unwrap();
+    }
     let periods = (hours * 3600.0 / STEP / PERIOD as f64).round() as usize;
     let mut outputs = vec![0.0; PERIOD];
     let (mut early, mut n) = (Vec::new(), 0_u64);
@@ -201,7 +210,7 @@ fn hours(hours: f64) {
 fn instances_processes_and_hours_leave_nothing_behind() {
     cycles(200);
     starts(20);
-    hours(0.1);
+    hours(0.3);
 }
 
 #[test]

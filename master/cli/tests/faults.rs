@@ -164,8 +164,9 @@ fn kills_of_runs(count: usize) -> usize {
     let folder = tempfile::tempdir().unwrap();
     let mut now = 0;
     kind.done(folder.path(), SPEEDS[now]);
-    let mut kills = 0;
-    for number in 0..count {
+    let (mut kills, mut number) = (0, 0);
+    while kills < count {
+        number += 1;
         let next = 1 - now;
         kills += usize::from(killed(kind.command(folder.path(), SPEEDS[next]), of.takes, &mut rng));
         let found = kind.results(folder.path());
@@ -223,7 +224,7 @@ fn kills_of_many(kind: Kind, count: usize) -> usize {
 
 #[test]
 fn kills_at_random_moments_cost_no_earlier_results_and_the_next_run_goes_on() {
-    kills_of_runs(5);
+    kills_of_runs(3);
     kills_of_many(Kind::Sweep, 4);
     kills_of_many(Kind::Study, 2);
 }
@@ -231,7 +232,7 @@ fn kills_at_random_moments_cost_no_earlier_results_and_the_next_run_goes_on() {
 #[test]
 #[ignore = "for many minutes: a hundred kills of each command"]
 fn attack_by_kills() {
-    let runs = kills_of_runs(130);
+    let runs = kills_of_runs(100);
     println!("{runs} kills of runs");
     for kind in [Kind::Sweep, Kind::Study] {
         println!("{} kills of {kind:?}", kills_of_many(kind, 100));
