@@ -102,6 +102,9 @@ pub(super) fn marks(limits: &[Limit]) -> String {
     said.collect::<Vec<_>>().join(", ")
 }
 
+/// Widest column of a table of text; a longer cell stands out of its column.
+const WIDEST: usize = 200;
+
 /// Lays out `rows` in columns: the first one flush left, all others flush right.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -110,7 +113,7 @@ pub fn aligned(rows: &[Vec<String>]) -> String {
             .filter_map(|r| r.get(j))
             .map(|c| c.chars().count())
             .max()
-            .unwrap_or(0)
+            .map_or(0, |width| width.min(WIDEST))
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
