@@ -540,12 +540,14 @@ fn attack(seed: u64, count: u64) {
 
 #[test]
 fn native_calls_in_any_order_end_with_a_status_and_leave_the_host_alive() {
+    let _process = super::beside_others();
     SEEDS.iter().for_each(|&seed| attack(seed, 400));
 }
 
 #[test]
 #[ignore = "for hours: 200 000 sequences; ATTACK_SEED and ATTACK_COUNT choose others"]
 fn attack_by_native_calls() {
+    let _process = super::beside_others();
     let (seed, count) = (first_seed(), cases(200_000));
     attack(seed, count);
     println!("seed {seed}: {count} native call sequences");

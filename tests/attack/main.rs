@@ -7,7 +7,7 @@ mod soak;
 mod states;
 
 use integration_tests::fmus::Packaged;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -32,6 +32,19 @@ static SMALL: LazyLock<Packaged> = LazyLock::new(|| {
     let (text, _) = text.split_once("[ranges]").unwrap();
     Packaged::new(text, &short)
 });
+
+/// Held by all tests, so that one that looks at the memory of this process has it to itself.
+static PROCESS: RwLock<()> = RwLock::new(());
+
+/// Other tests may run meanwhile.
+fn beside_others() -> RwLockReadGuard<'static, ()> {
+    PROCESS.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// No other test runs meanwhile.
+fn alone() -> RwLockWriteGuard<'static, ()> {
+    PROCESS.write().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// First seed of the runs by thousands.
 fn first_seed() -> u64 {

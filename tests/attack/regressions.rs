@@ -14,6 +14,7 @@ fn number(bytes: &[u8], place: usize) -> (usize, usize) {
 /// A saved state without parameters, its length and checksum right, made `fmi2GetReal` panic.
 #[test]
 fn regress_35_a_saved_state_of_another_shape_is_refused() {
+    let _process = super::beside_others();
     for identifier in IDENTIFIERS {
         let fmu = SMALL.open(identifier);
         let mut instance = started(&fmu, "shape");
@@ -38,6 +39,7 @@ fn regress_35_a_saved_state_of_another_shape_is_refused() {
 /// A step without end in sight never came back.
 #[test]
 fn regress_35_a_step_of_more_internal_steps_than_are_ever_made_is_discarded() {
+    let _process = super::beside_others();
     for identifier in IDENTIFIERS {
         let fmu = SMALL.open(identifier);
         for step in [1e300, 1e9] {

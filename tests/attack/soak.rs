@@ -210,6 +210,7 @@ fn hours(hours: f64) {
 
 #[test]
 fn instances_processes_and_hours_leave_nothing_behind() {
+    let _process = super::alone();
     cycles(200);
     starts(20);
     hours(0.1);
@@ -218,6 +219,7 @@ fn instances_processes_and_hours_leave_nothing_behind() {
 #[test]
 #[ignore = "for many minutes: 10 000 cycles, 2 000 isolated starts, 8 hours of simulated time"]
 fn attack_by_time() {
+    let _process = super::alone();
     cycles(10_000);
     starts(2_000);
     hours(8.0);

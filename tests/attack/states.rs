@@ -158,12 +158,14 @@ fn attack(seed: u64, count: u64) {
 
 #[test]
 fn changed_states_are_refused_or_restored() {
+    let _process = super::beside_others();
     SEEDS.iter().for_each(|&seed| attack(seed, 400));
 }
 
 #[test]
 #[ignore = "for hours: thousands of states; ATTACK_SEED and ATTACK_COUNT choose others"]
 fn attack_by_saved_states() {
+    let _process = super::beside_others();
     let (seed, count) = (first_seed(), cases(20_000));
     attack(seed, count);
     println!("seed {seed}: {count} changed states");

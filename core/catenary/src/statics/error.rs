@@ -15,8 +15,8 @@ pub enum StaticsError {
     },
     /// Dampers of droppers that forces cannot stand for.
     #[error(
-        "model.reduce = \"modal\": catenary.droppers.damping = {damping} N s/m: must be at most {most:.0} N s/m on these \
-         wires, as forces add these dampers to the modes from step to step; \"linearised\" takes any"
+        "model.reduce = \"modal\": catenary.droppers.damping = {damping} N s/m: must be at most {most:.0} N s/m on \
+         these wires, as forces add these dampers to the modes from step to step; \"linearised\" takes any"
     )]
     DampedDroppers {
         /// Key of the scene, N s/m.

@@ -265,8 +265,8 @@ pub fn add_bend(arch: Arch, factors: &StepFactors, bend: &[f32], ends: [&mut [f3
 mod tests {
     use super::*;
 
-    /// Amplitude of a mode of a string after `steps` steps of `h` s under a force of 1 N that starts at the left end and
-    /// moves, `sin(turn t)` at the point; from rest.
+    /// Amplitude of a mode of a string after `steps` steps of `h` s from rest, under a force of 1 N that starts at the
+    /// left end and moves: `sin(turn t)` at the point.
     fn under_moving_force(omega: f64, turn: f64, h: f64, steps: usize) -> f64 {
         let (arch, factors) = (Arch::new(), StepFactors::new(&[omega * omega; LANES], &[0.0; LANES], h));
         let shape = |step: usize| {

@@ -8,8 +8,9 @@ use nalgebra::SMatrix;
 /// v₁ − v₀ = vq q₀ + vv v₀ + v0 r₀ + v1 r₁ − vb s
 /// ```
 ///
-/// with the modal force `r₀ + (r₁ − r₀) τ/h − ½ τ (h − τ) s` at `τ` in the step, `s` its second derivative. A step of 0 s leads to the state at rest under `r₁`. Changes over a
-/// step keep their digits in single precision: a slow mode changes by a millionth of itself.
+/// with the modal force `r₀ + (r₁ − r₀) τ/h − ½ τ (h − τ) s` at `τ` in the step, `s` its second derivative. A step of
+/// 0 s leads to the state at rest under `r₁`. Changes over a step keep their digits in single precision: a slow mode
+/// changes by a millionth of itself.
 #[derive(Clone, Debug, Default)]
 pub struct StepFactors {
     /// Length of the step, s.

@@ -116,7 +116,7 @@ pub struct SteppedState {
     outputs: [Vec<f64>; 2],
     uplift: Vec<f64>,
     controllers: Vec<ControllerState>,
-    /// Questions to the controllers from outside since the start, one entry for each controller; none where all are inside.
+    /// Questions to the controllers from outside since the start, one entry each; none where all are inside.
     asked: Vec<Asked>,
     simulator: Checkpoint,
 }

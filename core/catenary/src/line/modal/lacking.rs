@@ -9,8 +9,8 @@ use dynamics::unilateral::next_of;
 
 /// Forces that all droppers lack, at the ends of steps.
 pub(super) struct Lacking {
-    /// Force that each dropper lacks beyond what it lacks at rest, N: at the end of the last step and of the two before,
-    /// where these were as long; else not a number.
+    /// Force that each dropper lacks beyond what it lacks at rest, N: at the end of the last step, and of the two
+    /// before where these were as long; else not a number.
     last: [Vec<f64>; 3],
     /// Impulse that the straight force of the last step had too much, N s.
     excess: Vec<f64>,
