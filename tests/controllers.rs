@@ -202,7 +202,8 @@ fn a_controller_from_pythonfmu_agrees_with_the_one_inside_to_rounding() {
 fn check_names_the_controller_and_its_wiring() {
     let program = Program::new();
     let fmu = Controller::new().write(program.folder(), "pid");
-    let scene = program.scene("checked", &written(&commanded(&fmu, 0.005, "")));
+    let keys = [&commanded(&fmu, 0.005, "")[..], &["run.duration=3.1".to_owned()]].concat();
+    let scene = program.scene("checked", &written(&keys));
     let told = program.call(&["check", scene.to_str().unwrap()]).done().stdout;
     for said in [
         "controller 1 of pantograph 1: ",
@@ -224,7 +225,8 @@ fn check_names_the_controller_and_its_wiring() {
 
 /// Delay in ms that `check` finds in its remark on the loop.
 fn told_delay(keys: &[String]) -> f64 {
-    let prepared = prepare(short(keys), "told", Path::new("."), false).unwrap();
+    let long = ["catenary.spans=8", "run.duration=6.1"].map(str::to_owned);
+    let prepared = prepare(short(&[keys, &long[..]].concat()), "told", Path::new("."), false).unwrap();
     let notes = Report::of(&prepared).unwrap().notes;
     let note = notes
         .iter()

@@ -13,11 +13,8 @@ const LONGEST: f64 = 8.0;
 /// Halvings of a quarter of a sample that the margin lies in.
 const HALVINGS: usize = 6;
 
-/// Most samples of a trial.
-const MOST: usize = 600;
-
-/// Fewest samples that tell growth from decay.
-const FEWEST: usize = 120;
+/// Samples of a trial: fewer hide slow growth behind what dies out.
+const SAMPLES: usize = 600;
 
 /// Deviation of the force at the start of a trial by the desired force, –: within the limits of any drive.
 const SMALL: f64 = 1e-3;
@@ -32,9 +29,9 @@ const GROWN: f64 = 5.0;
 const DIED_OUT: f64 = 1e-9;
 
 impl SampledLoop {
-    /// Delay of sensors and actuator together beyond which the loop with `rule` is unstable, s, by trials of at most
-    /// `samples` samples of the linear pantograph from a small motion: 0 for a loop that is unstable without any,
-    /// infinite for one that is stable with 8 samples; none where the samples are too few. The rule of the scene has no
+    /// Delay of sensors and actuator together beyond which the loop with `rule` is unstable, s, by trials of the
+    /// linear pantograph from a small motion: 0 for a loop that is unstable without any, infinite for one that is stable
+    /// with 8 samples; none where `samples`, those that the rule may be asked, are too few. The rule of the scene has no
     /// part in it; `rule` begins anew in each trial, and is left at its start.
     ///
     /// # Errors
@@ -45,11 +42,10 @@ impl SampledLoop {
         desired: f64,
         samples: usize,
     ) -> Result<Option<f64>, OutsideError> {
-        let samples = samples.min(MOST);
-        if samples < FEWEST {
+        if samples < SAMPLES {
             return Ok(None);
         }
-        let margin = self.margin_in(&mut |delay| self.dies_out(rule, desired, delay, samples))?;
+        let margin = self.margin_in(&mut |delay| self.dies_out(rule, desired, delay))?;
         rule.ask_again(&Asked::default())?;
         Ok(Some(margin))
     }
@@ -80,7 +76,7 @@ impl SampledLoop {
 
     /// True where a small motion dies out. Changes of the force from sample to sample are looked at: a command that
     /// stays moves the place of rest only.
-    fn dies_out(&self, rule: &mut dyn Rule, desired: f64, delay: f64, samples: usize) -> Result<bool, OutsideError> {
+    fn dies_out(&self, rule: &mut dyn Rule, desired: f64, delay: f64) -> Result<bool, OutsideError> {
         rule.ask_again(&Asked::default())?;
         let delayed = Delayed::new(&self.plant, self.sample, delay);
         let stiffness = self.plant.wire_stiffness();
@@ -88,7 +84,7 @@ impl SampledLoop {
         state[0] = SMALL * desired / stiffness;
         let (mut force, mut command) = (stiffness * state[0], 0.0);
         let (mut early, mut windows) = (0.0_f64, [0.0_f64; 3]);
-        for number in 0..samples {
+        for number in 0..SAMPLES {
             let reading = self.reading(&state, command, desired);
             command = rule.command(number as i64, &reading, desired)?;
             state = &delayed.state * state + &delayed.input * command;
@@ -100,7 +96,7 @@ impl SampledLoop {
             if number < EARLY {
                 early = early.max(change);
             }
-            let window = &mut windows[3 * number / samples];
+            let window = &mut windows[3 * number / SAMPLES];
             *window = window.max(change);
         }
         let [_, middle, last] = windows;
