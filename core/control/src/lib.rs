@@ -31,4 +31,4 @@ pub use controller::{Asked, Controller, ControllerState, Reading, Rule};
 pub use linear::LinearPantograph;
 pub use riccati::NoGains;
 pub use samples::Samples;
-pub use stability::SampledLoop;
+pub use stability::{FEWEST_SAMPLES, SampledLoop};

@@ -2,6 +2,8 @@
 
 mod asked;
 
+pub use asked::FEWEST_SAMPLES;
+
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::controller::Reading;

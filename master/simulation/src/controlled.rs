@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use catenary::StaticLine;
-use control::SampledLoop;
+use control::{FEWEST_SAMPLES, SampledLoop};
 use cosim::chain;
 use dynamics::OutsideError;
 use results::statistics::ForceStatistics;
@@ -125,8 +125,9 @@ fn static_stiffnesses(scene: &Scene, statics: Option<&StaticLine>, span: usize) 
 fn not_foreseen(index: usize, number: usize, control: &Control) -> String {
     format!(
         "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that its \
-         loop bears is not told here: master check tries it on a lumped pantograph, and runs with a longer \
-         pantograph[{0}].control.sensors.delay find where the force of the drive runs away; it has {2:.1} ms",
+         loop bears is not told here: master check tries it on a lumped pantograph, where the run has {FEWEST_SAMPLES} \
+         samples or more, and runs with a longer pantograph[{0}].control.sensors.delay find where the force of the \
+         drive runs away; it has {2:.1} ms",
         index + 1,
         number + 1,
         1e3 * control.delay()

@@ -13,8 +13,11 @@ const LONGEST: f64 = 8.0;
 /// Halvings of a quarter of a sample that the margin lies in.
 const HALVINGS: usize = 6;
 
-/// Samples of a trial: fewer hide slow growth behind what dies out.
-const SAMPLES: usize = 600;
+/// Most samples of a trial.
+const MOST: usize = 900;
+
+/// Fewest samples of a trial that tell growth from decay.
+pub const FEWEST_SAMPLES: usize = 450;
 
 /// Deviation of the force at the start of a trial by the desired force, –: within the limits of any drive.
 const SMALL: f64 = 1e-3;
@@ -29,9 +32,9 @@ const GROWN: f64 = 5.0;
 const DIED_OUT: f64 = 1e-9;
 
 impl SampledLoop {
-    /// Delay of sensors and actuator together beyond which the loop with `rule` is unstable, s, by trials of the
-    /// linear pantograph from a small motion: 0 for a loop that is unstable without any, infinite for one that is stable
-    /// with 8 samples; none where `samples`, those that the rule may be asked, are too few. The rule of the scene has no
+    /// Delay of sensors and actuator together beyond which the loop with `rule` is unstable, s, by trials of at most
+    /// `samples` samples of the linear pantograph from a small motion: 0 for a loop that is unstable without any,
+    /// infinite for one that is stable with 8 samples; none where the samples are too few. The rule of the scene has no
     /// part in it; `rule` begins anew in each trial, and is left at its start.
     ///
     /// # Errors
@@ -42,10 +45,11 @@ impl SampledLoop {
         desired: f64,
         samples: usize,
     ) -> Result<Option<f64>, OutsideError> {
-        if samples < SAMPLES {
+        let samples = samples.min(MOST);
+        if samples < FEWEST_SAMPLES {
             return Ok(None);
         }
-        let margin = self.margin_in(&mut |delay| self.dies_out(rule, desired, delay))?;
+        let margin = self.margin_in(&mut |delay| self.dies_out(rule, desired, delay, samples))?;
         rule.ask_again(&Asked::default())?;
         Ok(Some(margin))
     }
@@ -76,7 +80,7 @@ impl SampledLoop {
 
     /// True where a small motion dies out. Changes of the force from sample to sample are looked at: a command that
     /// stays moves the place of rest only.
-    fn dies_out(&self, rule: &mut dyn Rule, desired: f64, delay: f64) -> Result<bool, OutsideError> {
+    fn dies_out(&self, rule: &mut dyn Rule, desired: f64, delay: f64, samples: usize) -> Result<bool, OutsideError> {
         rule.ask_again(&Asked::default())?;
         let delayed = Delayed::new(&self.plant, self.sample, delay);
         let stiffness = self.plant.wire_stiffness();
@@ -84,7 +88,7 @@ impl SampledLoop {
         state[0] = SMALL * desired / stiffness;
         let (mut force, mut command) = (stiffness * state[0], 0.0);
         let (mut early, mut windows) = (0.0_f64, [0.0_f64; 3]);
-        for number in 0..SAMPLES {
+        for number in 0..samples {
             let reading = self.reading(&state, command, desired);
             command = rule.command(number as i64, &reading, desired)?;
             state = &delayed.state * state + &delayed.input * command;
@@ -96,7 +100,7 @@ impl SampledLoop {
             if number < EARLY {
                 early = early.max(change);
             }
-            let window = &mut windows[3 * number / SAMPLES];
+            let window = &mut windows[3 * number / samples];
             *window = window.max(change);
         }
         let [_, middle, last] = windows;
@@ -182,15 +186,15 @@ mod tests {
             };
             let expected = SampledLoop::new(&control(pid), &lumped, 2500.0).unwrap().delay_margin();
             let given = SampledLoop::new(&control(ControlLaw::Given), &lumped, 2500.0).unwrap();
-            for (limit, offset) in [(60.0, 0.0), (60.0, 5.0)] {
+            for (samples, offset) in [(900, 0.0), (450, 5.0)] {
                 let mut rule = Proportional {
                     kp,
                     ki_by_sample: 0.01 * ki,
-                    limit,
+                    limit: 60.0,
                     integral: 0.0,
                     offset,
                 };
-                let found = given.delay_margin_of(&mut rule, 120.0, 600).unwrap().unwrap();
+                let found = given.delay_margin_of(&mut rule, 120.0, samples).unwrap().unwrap();
                 println!("kp {kp}, ki {ki}: {found} s, {expected} s");
                 finite += usize::from(found.is_finite() && found > 0.0);
                 let both_long = expected > LONGEST * 0.01 && found.is_infinite();
