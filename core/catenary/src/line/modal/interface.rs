@@ -283,12 +283,14 @@ impl Interface {
         let motion = [&self.q[..], &self.v, &self.r];
         let ends = [&mut step.q_free[..], &mut step.v_free];
         kernels::free(arch, factors, motion, &self.repaid, ends);
-        let bends = self.lacking.bends(&self.modes, step.h);
-        step.bend.fill(0.0);
-        if add_joints(arch, &self.modes, bends, &mut step.bend) > 0 {
-            kernels::add_bend(arch, factors, &step.bend, [&mut step.q_free, &mut step.v_free]);
+        let (h, bend) = (step.h, &mut step.bend);
+        let bends = || self.lacking.bends(&self.modes, h);
+        if bends().next().is_some() {
+            bend.fill(0.0);
+            add_joints(arch, &self.modes, bends(), bend);
+            kernels::add_bend(arch, factors, bend, [&mut step.q_free, &mut step.v_free]);
         }
-        for (point, force) in self.points.iter_mut().zip(&self.forces) {
+        for (point, force) in self.points.iter_mut().zip(&self.forces).filter(|(point, _)| point.on) {
             point.answer((arch, factors), *force, [&mut step.q_free, &mut step.v_free]);
         }
         let contacts = self.points.len();
@@ -396,22 +398,19 @@ fn dot(arch: Arch, a: &[f32], b: &[f32]) -> f64 {
     sum
 }
 
-/// Adds the modal forces of forces along droppers and supports, N, and counts these.
-fn add_joints(arch: Arch, modes: &Modes, joints: impl Iterator<Item = (usize, f64)>, forces: &mut [f32]) -> usize {
-    let mut all = 0;
+/// Adds the modal forces of forces along droppers and supports, N.
+fn add_joints(arch: Arch, modes: &Modes, joints: impl Iterator<Item = (usize, f64)>, forces: &mut [f32]) {
     let mut rows = [(0.0, &[][..]); TOGETHER];
     let mut count = 0;
     for (joint, force) in joints {
         rows[count] = (force as f32, modes.joint(joint));
         count += 1;
-        all += 1;
         if count == TOGETHER {
             kernels::add(arch, &rows, forces);
             count = 0;
         }
     }
     kernels::add(arch, &rows[..count], forces);
-    all
 }
 
 impl Force for Interface {
@@ -472,7 +471,7 @@ impl StepHistory for Interface {
         let known = [&self.repaid[..], &self.step.q_free, &self.step.v_free];
         let ends = [&mut self.r[..], &mut self.q, &mut self.v];
         kernels::finish(arch, &self.factors[0].step, known, ends);
-        for (point, force) in self.points.iter().zip(&self.forces) {
+        for (point, force) in self.points.iter().zip(&self.forces).filter(|(point, _)| point.on) {
             let [by_q, by_v] = &point.by_force;
             let ends = [&mut self.r[..], &mut self.q, &mut self.v];
             kernels::add_answer(arch, *force as f32, [point.shape(), by_q, by_v], ends);

@@ -116,27 +116,24 @@ impl ContactPoint {
         kernels::shape(arch, &rows[..count], &mut shapes.at, &mut shapes.slope);
     }
 
-    /// Answers of all modes to the force at the point in a step; its begin with `force` N joins the motion without a
-    /// force at the end, `free`.
+    /// Answers of all modes to the force at a point under a strip, in a step; its begin with `force` N joins the motion
+    /// without a force at the end, `free`.
     pub fn answer(&mut self, (arch, factors): (Arch, &StepFactors), force: f64, free: [&mut [f32]; 2]) {
-        if !self.on {
-            return;
-        }
-        let moved = self.moved();
-        let (h, moves) = (factors.h, moved.is_finite() && factors.h > 0.0);
+        let (moved, h) = (self.moved(), factors.h);
         let [before, now] = &self.shapes;
-        let [q, v] = &mut self.by_force;
+        // A point that comes to the wire in the step, or a step to rest, is without a move.
+        let (before, along, per_step) = if moved.is_finite() && h > 0.0 {
+            (before, moved / (h * h), 1.0 / (h * h))
+        } else {
+            (now, 0.0, 0.0)
+        };
         kernels::products(arch, &now.at, &factors.q1, &mut self.fixed);
-        if !moves {
-            q.copy_from_slice(&self.fixed);
-            kernels::products(arch, &now.at, &factors.v1, v);
-            return;
-        }
         let passing = Passing {
             shapes: [&before.at, &before.slope, &now.at, &now.slope],
-            rates: [moved / (h * h), 1.0 / (h * h)].map(|rate| rate as f32),
+            rates: [along, per_step].map(|rate| rate as f32),
             force: force as f32,
         };
+        let [q, v] = &mut self.by_force;
         kernels::pass(arch, factors, passing, [q, v], free);
     }
 }
