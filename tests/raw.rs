@@ -4,7 +4,7 @@ use fmi2::archive::binary_entry;
 use fmi2::import::Fmu;
 use libloading::{Library, Symbol};
 use std::ffi::CString;
-use std::ptr::{null, null_mut};
+use std::ptr::null;
 
 /// An unpacked FMU and its library.
 pub struct Raw {
@@ -26,18 +26,6 @@ pub struct Identity<'a> {
     pub location: Option<&'a str>,
     /// `loggingOn`.
     pub logging: i32,
-}
-
-/// No functions at all, which the standard allows but for the memory.
-#[must_use]
-pub fn no_callbacks() -> fmi2CallbackFunctions {
-    fmi2CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: null_mut(),
-    }
 }
 
 impl Raw {

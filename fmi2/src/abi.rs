@@ -142,6 +142,19 @@ pub struct fmi2CallbackFunctions {
     pub component_environment: fmi2ComponentEnvironment,
 }
 
+/// No functions at all.
+impl Default for fmi2CallbackFunctions {
+    fn default() -> Self {
+        Self {
+            logger: None,
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: std::ptr::null_mut(),
+        }
+    }
+}
+
 /// `fmi2GetTypesPlatform`, `fmi2GetVersion`.
 pub type TextFn = unsafe extern "C" fn() -> fmi2String;
 /// `fmi2SetDebugLogging`.

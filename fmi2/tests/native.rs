@@ -22,13 +22,7 @@ fn resources() -> tempfile::TempDir {
 }
 
 fn made(resources: &tempfile::TempDir) -> fmi2Component {
-    let callbacks = fmi2CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: null_mut(),
-    };
+    let callbacks = fmi2CallbackFunctions::default();
     let location = CString::new(resources.path().display().to_string()).unwrap();
     let (name, guid) = (c"native", c"{native}");
     // SAFETY: texts and callbacks live during the call.

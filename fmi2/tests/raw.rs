@@ -38,13 +38,7 @@ impl Raw {
         guid: Option<&str>,
         location: Option<&str>,
     ) -> fmi2Component {
-        let callbacks = fmi2CallbackFunctions {
-            logger: None,
-            allocate_memory: None,
-            free_memory: None,
-            step_finished: None,
-            component_environment: null_mut(),
-        };
+        let callbacks = fmi2CallbackFunctions::default();
         let text = |text: Option<&str>| text.map(|text| CString::new(text).unwrap());
         let texts = [text(name), text(guid), text(location)];
         let pointer = |text: &Option<CString>| text.as_ref().map_or(null(), |text| text.as_ptr());

@@ -5,7 +5,7 @@ use super::{IDENTIFIERS, SEEDS, SMALL, Watchdog, cases, dice, first_seed};
 use fastrand::Rng;
 use fmi2::abi::*;
 use fmi2::model_description::BaseType;
-use integration_tests::raw::{Identity, Raw, no_callbacks};
+use integration_tests::raw::{Identity, Raw};
 use std::ffi::{CStr, CString, c_int};
 use std::ptr::{null, null_mut};
 
@@ -52,7 +52,7 @@ impl Host {
             3 => identity.location = [None, Some("file:///no/such"), Some("http://%ff%00"), Some("%")][rng.usize(..4)],
             _ => {}
         }
-        self.raw.instantiate(identity, &no_callbacks())
+        self.raw.instantiate(identity, &fmi2CallbackFunctions::default())
     }
 }
 

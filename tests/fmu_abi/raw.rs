@@ -1,9 +1,12 @@
 //! Below the importer: null pointers and strange arguments.
 use super::{IDENTIFIERS, KULKARNI};
-use fmi2::abi::{FALSE, GetFn, PlainFn, SetFn, SetStateFn, SetupExperimentFn, StatePointerFn, Status, fmi2Component};
+use fmi2::abi::{
+    FALSE, GetFn, PlainFn, SetFn, SetStateFn, SetupExperimentFn, StatePointerFn, Status, fmi2CallbackFunctions,
+    fmi2Component,
+};
 use fmi2::model_description::Causality;
 use integration_tests::fmus::reals;
-use integration_tests::raw::{Identity, Raw, no_callbacks};
+use integration_tests::raw::{Identity, Raw};
 use std::ptr::{null, null_mut};
 
 fn open(identifier: &str) -> Raw {
@@ -18,7 +21,7 @@ fn instantiate(raw: &Raw, name: Option<&str>, kind: i32, guid: Option<&str>, loc
         location,
         logging: FALSE,
     };
-    raw.instantiate(identity, &no_callbacks())
+    raw.instantiate(identity, &fmi2CallbackFunctions::default())
 }
 
 #[test]

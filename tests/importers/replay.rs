@@ -4,10 +4,10 @@ use catenary::Subsystem as Line;
 use component::{Causality, Component};
 use fmi2::abi::{
     DirectionalDerivativeFn, DoStepFn, FALSE, GetFn, OutputDerivativesFn, PlainFn, SetFn, SetInputDerivativesFn,
-    SetStateFn, SetupExperimentFn, StatePointerFn, Status, TRUE, fmi2Component, fmi2FMUstate,
+    SetStateFn, SetupExperimentFn, StatePointerFn, Status, TRUE, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate,
 };
 use integration_tests::fmus::{Packaged, THESIS, reference};
-use integration_tests::raw::{Identity, Raw, no_callbacks};
+use integration_tests::raw::{Identity, Raw};
 use integration_tests::runs::rms;
 use scene::Scene;
 use std::ptr::null_mut;
@@ -127,7 +127,7 @@ impl<'a> Peer<'a> {
             location,
             logging: TRUE,
         };
-        let component = raw.instantiate(identity, &no_callbacks());
+        let component = raw.instantiate(identity, &fmi2CallbackFunctions::default());
         assert!(!component.is_null());
         Self {
             raw,

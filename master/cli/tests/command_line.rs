@@ -1,17 +1,10 @@
 //! The program as a user meets it: exit status, messages, files.
 
+mod short;
+
+use short::SHORT;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-
-/// A line of three spans on a coarse mesh, for a fraction of a second: what is tested here does not depend on its
-/// accuracy.
-const SHORT: [&str; 5] = [
-    "catenary.spans=3",
-    "catenary.mesh.elements_per_interval=1",
-    "run.duration=0.2",
-    "run.evaluate={ time = [0.1, 0.2] }",
-    "run.output_step=0.001",
-];
 
 fn scene() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/en50318-250.toml")

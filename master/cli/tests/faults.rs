@@ -2,19 +2,13 @@
 //! reader that is gone. Earlier results stay as they were, no mixture is left, and the next run comes to its end.
 #![cfg(unix)]
 
+mod short;
+
+use short::SHORT;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
-
-/// A line of three spans on a coarse mesh, for a fraction of a second.
-const SHORT: [&str; 5] = [
-    "catenary.spans=3",
-    "catenary.mesh.elements_per_interval=1",
-    "run.duration=0.2",
-    "run.evaluate={ time = [0.1, 0.2] }",
-    "run.output_step=0.001",
-];
 
 /// Commands that write results.
 #[derive(Clone, Copy, Debug)]

@@ -1,16 +1,10 @@
 //! `master sweep` as a user meets it: files, exit status, messages, going on after an end.
 
+mod short;
+
+use short::SHORT;
 use std::path::Path;
 use std::process::{Command, Output};
-
-/// A line of three spans on a coarse mesh, for a fraction of a second: tables do not depend on its accuracy.
-const SHORT: [&str; 5] = [
-    "catenary.spans=3",
-    "catenary.mesh.elements_per_interval=1",
-    "run.duration=0.2",
-    "run.evaluate={ time = [0.1, 0.2] }",
-    "run.output_step=0.001",
-];
 
 fn sweep(out: &Path, more: &[&str]) -> Output {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/en50318-250.toml");

@@ -17,9 +17,6 @@ pub const OBSERVED: usize = 4;
 /// Reward of a step that the simulation cannot make.
 pub const FAILED: f64 = -100.0;
 
-/// Share of the sample time that its distance from whole macro steps may be, –.
-const WHOLE: f64 = 1e-9;
-
 /// Situation after a turn of an environment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Situation {
@@ -94,12 +91,11 @@ impl ForceAim {
             ));
         };
         let (sample, step) = (control.sample_time, system.macro_step());
-        let steps = (sample / step).round().max(1.0);
-        if (steps * step - sample).abs() > WHOLE * sample {
+        let Some(steps) = suppliers::pieces(step, sample) else {
             return refused(format!(
                 "{path}.sample_time = {sample} s: must be a whole number of coupling.macro_step = {step} s"
             ));
-        }
+        };
         if !effort.is_finite() {
             return refused(format!("effort = {effort}: must be a finite number"));
         }

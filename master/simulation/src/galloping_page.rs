@@ -1,6 +1,6 @@
 //! `galloping.html`.
 
-use results::report::plots::{axis, colour, curve, decades_of, figure, layout};
+use results::report::plots::{Trace, axis, colour, curve, decades_of, figure, layout};
 use results::report::{Page, PageColumn, cells, heads, remarks, saved};
 use results::{OutputDirectory, ResultsError};
 use system::galloping::{Criterion, Motion};
@@ -42,15 +42,20 @@ impl GallopingReport {
         page.finish()
     }
 
-    fn envelopes(&self) -> String {
+    /// A curve for each motion.
+    fn curves(&self, points: impl Fn(&Motion) -> &[[f64; 2]]) -> Vec<Trace> {
         let of = |(number, motion): (usize, &Motion)| {
-            let (t, amplitude) = motion.envelope.iter().map(|[t, amplitude]| (*t, *amplitude)).unzip();
-            curve(t, amplitude, &name(motion), colour(number), 1.5)
+            let (across, upward) = points(motion).iter().map(|[x, y]| (*x, *y)).unzip();
+            curve(across, upward, &name(motion), colour(number), 1.5)
         };
+        self.motions.iter().enumerate().map(of).collect()
+    }
+
+    fn envelopes(&self) -> String {
         let all = self.motions.iter().flat_map(|motion| &motion.envelope);
         let amplitudes = decades_of("vertical amplitude [m]", all.map(|[_, amplitude]| *amplitude));
         figure(
-            self.motions.iter().enumerate().map(of).collect(),
+            self.curves(|motion| &motion.envelope),
             layout(axis("time [s]"), amplitudes),
             ("growth", HEIGHT),
             "Vertical amplitude at the mid-span that moves most at the end, in windows of four periods; a small motion \
@@ -59,12 +64,8 @@ impl GallopingReport {
     }
 
     fn paths(&self) -> String {
-        let of = |(number, motion): (usize, &Motion)| {
-            let (lateral, vertical) = motion.path.iter().map(|[y, z]| (*y, *z)).unzip();
-            curve(lateral, vertical, &name(motion), colour(number), 1.5)
-        };
         figure(
-            self.motions.iter().enumerate().map(of).collect(),
+            self.curves(|motion| &motion.path),
             layout(axis("lateral, to the left [m]"), axis("upward [m]")),
             ("path", HEIGHT),
             "Path of the same point over the last four periods, from its place of rest in the \

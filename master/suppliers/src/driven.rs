@@ -41,7 +41,8 @@ pub(super) fn nearest_multiple(unit: f64, h: f64) -> f64 {
 }
 
 /// Number of steps of `unit` s in `h` s; `None` where it is not whole.
-pub(super) fn pieces(unit: f64, h: f64) -> Option<usize> {
+#[must_use]
+pub fn pieces(unit: f64, h: f64) -> Option<usize> {
     let count = (h / unit).round();
     (count >= 1.0 && (h / unit - count).abs() <= ROUNDING * count).then_some(count as usize)
 }

@@ -38,6 +38,7 @@ mod wiring;
 
 pub use commanded::Commanded;
 pub use controller::SuppliedController;
+pub use driven::pieces;
 pub use guess::Guess;
 use guess::{guess, side};
 pub use isolated::time_limit;
