@@ -4,6 +4,7 @@ use integration_tests::fmus::{Packaged, tree};
 use integration_tests::installed::{Program, artifacts};
 use integration_tests::python::{environment, run};
 use integration_tests::runs::EN_300;
+use integration_tests::vendor::{Pantograph, under_the_line};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -43,6 +44,33 @@ fn stage(folder: &Path) {
     let fmus = Packaged::new(EN_300, &[]);
     for identifier in ["Catenary", "Pantograph"] {
         put(&fmus.path(identifier), &package.join(format!("fmus/{identifier}.fmu")));
+    }
+}
+
+/// An FMU that ends the process which makes an instance of it: with the interpreter, all that a user has computed.
+#[test]
+fn regress_35_an_fmu_that_ends_what_loads_it_is_met_in_the_trial_and_not_in_the_interpreter() {
+    let interpreter = environment("package", &tree().join("python/tests/requirements.txt"));
+    let place = tempfile::tempdir().unwrap();
+    stage(place.path());
+    let script = "import pantoline\n\
+                  try:\n    pantoline.Scene.load('scene.toml').run(mode='cosimulation')\n\
+                  except pantoline.RunError as error:\n    print('refused:', error)\n";
+    for (fault, words) in [
+        ("ABORT", "crashed with SIGABRT"),
+        ("EXIT", "ended its process by exit("),
+    ] {
+        let fault = format!("FAULT={fault}");
+        let fmu = Pantograph::new().built_with(&[&fault, "FAULT_IN=INSTANTIATE"]);
+        let fmu = fmu.write(place.path(), "head");
+        fs::write(place.path().join("scene.toml"), under_the_line(&fmu, "")).unwrap();
+        let mut command = Command::new(&interpreter);
+        command.current_dir(place.path()).args(["-c", script]);
+        command
+            .env("PYTHONPATH", place.path())
+            .env("PYTHONDONTWRITEBYTECODE", "1");
+        let said = run(&mut command, &fault);
+        assert!(said.starts_with("refused: ") && said.contains(words), "{fault}: {said}");
     }
 }
 

@@ -12,6 +12,12 @@ pub fn stand_in(file: PathBuf) {
     let _ = STAND_IN.set(file);
 }
 
+/// `true` where another file stands for the program.
+#[must_use]
+pub fn is_elsewhere() -> bool {
+    STAND_IN.get().is_some()
+}
+
 /// File of this program, or the one that stands for it.
 ///
 /// # Errors

@@ -34,8 +34,9 @@ impl Scratch {
     pub fn new() -> io::Result<Self> {
         static ONCE: Once = Once::new();
         let place = std::env::temp_dir();
-        ONCE.call_once(|| remove_abandoned(&place, YOUNG));
-        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(place)?;
+        ONCE.call_once(|| remove_abandoned(&place, PREFIX, YOUNG));
+        let prefix = of_process(std::process::id());
+        let folder = tempfile::Builder::new().prefix(&prefix).tempdir_in(place)?;
         let held = locked(folder.path());
         Ok(Self { folder, _held: held })
     }
@@ -47,14 +48,25 @@ impl Scratch {
     }
 }
 
+/// Begin of the names of the folders of a process.
+fn of_process(id: u32) -> String {
+    format!("{PREFIX}{id}-")
+}
+
+/// Removes the folders that a child, which has ended, has left.
+#[cfg(unix)]
+pub(crate) fn remove_those_of(child: u32) {
+    remove_abandoned(&std::env::temp_dir(), &of_process(child), Duration::ZERO);
+}
+
 /// The folder with its lock; nothing where another process holds it or the system has no such lock.
 fn locked(folder: &Path) -> Option<File> {
     let file = File::open(folder).ok()?;
     file.try_lock().is_ok().then_some(file)
 }
 
-/// Removes folders in `place` that no process holds and that are older than `young`.
-fn remove_abandoned(place: &Path, young: Duration) {
+/// Removes folders in `place` whose names begin with `prefix`, that no process holds and that are older than `young`.
+fn remove_abandoned(place: &Path, prefix: &str, young: Duration) {
     let Ok(entries) = fs::read_dir(place) else { return };
     for entry in entries.flatten() {
         // Not through a link.
@@ -63,7 +75,7 @@ fn remove_abandoned(place: &Path, young: Duration) {
         };
         let age = metadata.modified().ok().and_then(|time| time.elapsed().ok());
         if metadata.is_dir()
-            && entry.file_name().to_string_lossy().starts_with(PREFIX)
+            && entry.file_name().to_string_lossy().starts_with(prefix)
             && age.is_some_and(|age| age >= young)
             && let Some(_held) = locked(&entry.path())
         {
@@ -90,14 +102,14 @@ mod tests {
         let link = place.path().join("pantoline-c");
         std::os::unix::fs::symlink(&foreign, &link).unwrap();
         let hold = locked(&held).unwrap();
-        remove_abandoned(place.path(), Duration::from_secs(3600));
+        remove_abandoned(place.path(), PREFIX, Duration::from_secs(3600));
         assert!(abandoned.is_dir(), "as young as its owner may be");
-        remove_abandoned(place.path(), Duration::ZERO);
+        remove_abandoned(place.path(), PREFIX, Duration::ZERO);
         assert!(!abandoned.exists() && held.join("file").is_file() && foreign.join("file").is_file() && link.exists());
         drop(hold);
         // A process that another test starts meanwhile has the handle until it runs its own program.
         for _ in 0..200 {
-            remove_abandoned(place.path(), Duration::ZERO);
+            remove_abandoned(place.path(), PREFIX, Duration::ZERO);
             if !held.exists() {
                 return;
             }

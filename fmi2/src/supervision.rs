@@ -47,7 +47,7 @@ mod unix {
 
     use crate::import::guard::{self, Ending};
     use crate::import::process;
-    use crate::scratch::Scratch;
+    use crate::scratch::{Scratch, remove_those_of};
 
     /// Variable of the environment that gives the child the number of its parent.
     const VARIABLE: &str = "PANTOLINE_SUPERVISED_BY";
@@ -138,6 +138,7 @@ mod unix {
     fn awaited(mut child: std::process::Child, mut channel: UnixStream, fmus: &[String]) -> i32 {
         let ended = child.wait();
         CHILD.store(0, Ordering::SeqCst);
+        remove_those_of(child.id());
         let mut word = [0];
         // A process that an FMU has left behind may hold the other end.
         let said = channel

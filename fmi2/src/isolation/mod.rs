@@ -92,6 +92,12 @@ pub fn serves() -> bool {
     SERVES.load(Ordering::Relaxed)
 }
 
+/// `true` where children can be started: this program is one, or names one that stands for it.
+#[must_use]
+pub fn is_at_hand() -> bool {
+    serves() || crate::program::is_elsewhere()
+}
+
 /// Time that the parent allows beyond the time limit before it kills the child.
 pub const GRACE: Duration = Duration::from_secs(2);
 

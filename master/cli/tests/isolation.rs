@@ -147,6 +147,15 @@ impl Case {
         self.run_with("out", &[])
     }
 
+    /// Folders of unpacked archives.
+    fn unpacked(&self) -> usize {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name());
+        names
+            .filter(|name| name.to_string_lossy().starts_with("pantoline-"))
+            .count()
+    }
+
     /// Processes of this case that run.
     fn processes(&self) -> usize {
         let tag = format!("HEAD_TAG={}", self.tag);
@@ -456,6 +465,7 @@ fn an_fmu_in_this_process_that_ends_it_is_named_with_the_remedy() {
             said.contains(words) && said.contains("isolate = true"),
             "{fault}: {said}"
         );
+        assert_eq!(case.unpacked(), 0, "{fault}: an unpacked archive is left");
     }
 }
 

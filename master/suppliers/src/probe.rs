@@ -142,7 +142,7 @@ impl Probe {
 #[must_use]
 pub fn isolation(entry: &Supplied) -> Option<Isolation> {
     isolation_of(entry).or_else(|| {
-        (cfg!(unix) && isolation::serves()).then(|| Isolation {
+        (cfg!(unix) && isolation::is_at_hand()).then(|| Isolation {
             time_limit: time_limit(entry),
             memory_limit: None,
             environment: std::collections::BTreeMap::new(),

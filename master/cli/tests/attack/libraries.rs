@@ -81,7 +81,7 @@ fn damaged_libraries_end_with_a_result_or_a_message() {
 }
 
 #[test]
-#[ignore = "for many minutes: hundreds of libraries; ATTACK_SEED chooses others"]
+#[ignore = "for many minutes: thousands of libraries; ATTACK_SEED chooses others"]
 fn attack_by_libraries() {
-    by_thousands(attack, 500, "damaged libraries");
+    by_thousands(attack, 2_000, "damaged libraries");
 }
