@@ -113,7 +113,7 @@ fn entries(archive: &[u8]) -> BTreeMap<String, Vec<u8>> {
         let mut entry = archive.by_index(index).unwrap();
         let mut bytes = Vec::new();
         entry.read_to_end(&mut bytes).unwrap();
-        found.insert(entry.name().to_owned(), bytes);
+        found.insert(entry.name().unwrap().into_owned(), bytes);
     }
     found
 }
@@ -143,9 +143,8 @@ fn archives_to_pass_on_hold_no_path_and_are_the_same_wherever_they_are_built() {
         let archives = names.map(|name| fs::read(sources.join("fmus").join(name)).unwrap());
         (program, archives)
     });
-    let own = [tree(), std::env::var_os("HOME").unwrap().into()];
-    let paths = own.iter().map(PathBuf::as_path).chain([folder.path()]);
-    let paths: Vec<String> = paths.map(|path| format!("{}/", path.display())).collect();
+    let home = PathBuf::from(std::env::var_os("HOME").unwrap());
+    let paths = [tree(), &home, folder.path()].map(|path| format!("{}/", path.display()));
     for (place, name) in names.iter().enumerate() {
         assert!(built[0].1[place] == built[1].1[place], "{name}: the bytes differ");
         for (entry, bytes) in entries(&built[0].1[place]) {
