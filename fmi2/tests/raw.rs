@@ -179,6 +179,12 @@ fn a_null_component_is_an_error_for_every_function() {
 fn a_count_that_no_call_has_is_refused_before_memory_is_taken_for_it() {
     let raw = Raw::new();
     let c = raw.instantiate(Some("a"), 1, Some(raw.guid()), None);
+    // SAFETY: the component is alive.
+    unsafe {
+        let set_up = raw.function::<SetupExperimentFn>("fmi2SetupExperiment");
+        assert_eq!(set_up(c, 0, 0.0, 0.0, 0, 0.0), 0);
+        assert_eq!(raw.function::<PlainFn>("fmi2EnterInitializationMode")(c), 0);
+    }
     let label = [support::at::LABEL as u32];
     let mut text: fmi2String = null();
     let number = [0_u32];
@@ -191,6 +197,15 @@ fn a_count_that_no_call_has_is_refused_before_memory_is_taken_for_it() {
             let get_real = raw.function::<GetFn<f64>>("fmi2GetReal");
             assert_eq!(get_real(c, number.as_ptr(), count, &raw mut value), ERROR);
         }
+    }
+    // As many good references and places for values as are said: nothing but the count tells that it is none.
+    let count = (1 << 24) + 1;
+    let (numbers, mut values) = (vec![0_u32; count], vec![0.0; count]);
+    // SAFETY: the component is alive; both lists have the length that is said.
+    unsafe {
+        let get_real = raw.function::<GetFn<f64>>("fmi2GetReal");
+        assert_eq!(get_real(c, numbers.as_ptr(), 1000, values.as_mut_ptr()), 0);
+        assert_eq!(get_real(c, numbers.as_ptr(), count, values.as_mut_ptr()), ERROR);
     }
     // SAFETY: the component is alive and not used again.
     unsafe { raw.function::<FreeInstanceFn>("fmi2FreeInstance")(c) };

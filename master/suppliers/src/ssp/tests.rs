@@ -127,6 +127,21 @@ fn thousands_of_components_of_one_fmu_are_read_and_the_idle_one_is_named() {
     );
 }
 
+/// Every unpacked archive holds a handle; thousands took minutes.
+#[cfg(unix)]
+#[test]
+fn regress_35_components_of_one_fmu_share_its_unpacked_archive() {
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", "ulimit -n 200; exec \"$0\" \"$@\""]);
+    shell.arg(std::env::current_exe().unwrap()).args([
+        "--exact",
+        "ssp::tests::thousands_of_components_of_one_fmu_are_read_and_the_idle_one_is_named",
+    ]);
+    let output = shell.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("1 passed"), "{said}");
+}
+
 #[test]
 fn a_system_of_another_tool_becomes_a_scene() {
     let imported = imported(BODY).unwrap();
