@@ -15,9 +15,11 @@ use super::{Record, ResultsError, StripRecord, SupportRecord, WindRecord, head};
 pub fn write_timeseries(out: impl std::io::Write, path: &Path, record: &Record) -> Result<(), ResultsError> {
     use std::fmt::Write as _;
     record.check()?;
-    let failed = |source| ResultsError::Csv {
+    // A table that cannot be written is none that is wrong.
+    let failed = |source: csv::Error| ResultsError::Io {
         path: path.to_owned(),
-        source,
+        action: "write",
+        source: source.into(),
     };
     let columns = record.columns();
     let mut writer = csv::Writer::from_writer(out);
