@@ -292,7 +292,11 @@ fn full_disks(kind: Kind, blocks: impl Iterator<Item = u64>) {
                 matches!(code, Some(1 | 2)),
                 "{kind:?}, {blocks} blocks: {code:?} {said}"
             );
-            let other = ["a defect of this program", "not a file of this program", "not a CSV table"];
+            let other = [
+                "a defect of this program",
+                "not a file of this program",
+                "not a CSV table",
+            ];
             let told = said.contains("File too large") && other.iter().all(|other| !said.contains(other));
             assert!(told, "{kind:?}, {blocks} blocks: {said}");
         }
