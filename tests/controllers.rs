@@ -199,6 +199,34 @@ fn a_controller_from_pythonfmu_agrees_with_the_one_inside_to_rounding() {
 }
 
 #[test]
+fn a_system_with_a_controller_runs_as_the_scene_it_was_made_of() {
+    let program = Program::new();
+    let fmu = Controller::new().write(program.folder(), "pid");
+    let scene = program.scene("commanded", &written(&commanded(&fmu, 0.005, "")));
+    let here = program.run(&scene, &[]).done();
+    let told = program.call(&["export", scene.to_str().unwrap(), "--out", "systems"]).done();
+    assert!(told.stderr.contains("communication point"), "{}", told.stderr);
+    let system = program.folder().join("systems").join("commanded.ssp");
+    // The controller is in the archive.
+    std::fs::remove_file(&fmu).unwrap();
+    let again = program.run(&system, &[]).done();
+    for column in ["pantograph[1].force", "pantograph[1].control.force"] {
+        assert_eq!(again.series(column), here.series(column), "{column}");
+    }
+    let limits = fmi2::archive::Limits::default();
+    let folder = fmi2::archive::extract(&system, "SystemStructure.ssd", &limits).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("SystemStructure.ssd")).unwrap();
+    for connected in [
+        "startElement=\"Pantograph\" startConnector=\"control.measured.force\" endElement=\"Controller\" \
+         endConnector=\"F\"",
+        "startElement=\"Controller\" startConnector=\"u\" endElement=\"Pantograph\" \
+         endConnector=\"control.force\"",
+    ] {
+        assert!(text.contains(connected), "{connected}: {text}");
+    }
+}
+
+#[test]
 fn check_names_the_controller_and_its_wiring() {
     let program = Program::new();
     let fmu = Controller::new().write(program.folder(), "pid");
@@ -216,7 +244,6 @@ fn check_names_the_controller_and_its_wiring() {
     ] {
         assert!(told.contains(said), "nothing about {said:?}:\n{told}");
     }
-    let _ = (program.call(&["export", scene.to_str().unwrap()])).refused(2, &["controller: must be left out"]);
     let told = program.call(&["inspect", fmu.to_str().unwrap()]).done().stdout;
     assert!(
         told.contains("wiring as a controller") && told.contains("[[controller]]"),

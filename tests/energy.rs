@@ -142,6 +142,22 @@ fn the_joints_of_a_linkage_take_and_give_no_energy() {
     assert!(evidence.drift[0] < 1e-9 && evidence.constraints > 20, "{evidence:?}");
 }
 
+#[test]
+fn a_driven_joint_brings_the_power_that_the_balance_has() {
+    let scene = include_str!("../scenes/thesis-pantograph.toml");
+    let control = "pantograph[1].control={law=\"skyhook\", sample_time=0.005, damping=400, actuator={joint=\"base-lower_arm\", \
+                   lag=0.01}}";
+    // All bodies and joints, and the one motion.
+    for reduce in ["model.reduce=[\"planar\"]", "model.reduce=[\"planar\", \"linkage\"]"] {
+        let keys = [&SECOND_ON_THESIS_LINE[..], &[reduce, control]].concat();
+        let (finished, evidence) = run_scene(scene, &keys, None);
+        let moment = finished.record.pantographs[0].control.as_ref().unwrap();
+        assert!(moment.iter().any(|moment| moment.abs() > 10.0), "the drive acts");
+        let left = evidence.worst_residual / evidence.exchanged;
+        assert!(left < 1e-3, "{reduce}: {evidence:?}");
+    }
+}
+
 /// Stiff droppers without dampers vibrate faster than the step follows: the energy made so is the residual of the whole
 /// balance, and the run reports the figure.
 #[test]

@@ -166,6 +166,44 @@ group! {
     pub const COUNT: usize = SIGNALS.len();
     /// Name of the input of the pantograph that takes the command, N.
     pub const COMMAND: &str = "control.force";
+    /// The input.
+    pub const INPUT: DeclaredSignal =
+        DeclaredSignal::real(COMMAND, "N", "Force that the drive is to exert, taken at its next sample");
+}
+
+/// Signals of a drive that is a moment on a joint, in place of those of a force of the same names.
+pub mod moment {
+    use super::{instrument, strip};
+    use crate::DeclaredSignal;
+
+    const fn instead(of: DeclaredSignal, unit: &'static str, description: &'static str) -> DeclaredSignal {
+        DeclaredSignal::real(of.name, unit, description)
+    }
+
+    /// In place of [`strip::CONTROL`].
+    pub const CONTROL: DeclaredSignal = instead(
+        strip::SIGNALS[strip::CONTROL],
+        "N.m",
+        "Moment of the controlled drive on the joint of the pantograph, of which each strip has an equal part",
+    );
+    /// In place of [`instrument::VELOCITY`].
+    pub const VELOCITY: DeclaredSignal = instead(
+        instrument::SIGNALS[instrument::VELOCITY],
+        "rad/s",
+        "Rate of the driven joint as measured, positive where the strip rises",
+    );
+    /// In place of [`instrument::POSITION`].
+    pub const POSITION: DeclaredSignal = instead(
+        instrument::SIGNALS[instrument::POSITION],
+        "rad",
+        "Turn of the driven joint from the tabulated position as measured, positive where the strip rises",
+    );
+    /// Command of the drive.
+    pub const COMMAND: DeclaredSignal = DeclaredSignal::real(
+        instrument::COMMAND,
+        "N.m",
+        "Moment that the drive is to exert, taken at its next sample",
+    );
 }
 
 /// Number of outputs of a line with `strips` strips and `supports` recorded supports.

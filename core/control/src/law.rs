@@ -108,7 +108,7 @@ impl Law {
                 let delayed = Delayed::new(&plant, sample, control.delay());
                 let mut weights = nalgebra::DMatrix::zeros(delayed.size(), delayed.size());
                 weights[(0, 0)] = force_weight * wire_stiffness * wire_stiffness;
-                let velocity = plant.masses() + plant.driven();
+                let velocity = plant.masses() + plant.driven_mass();
                 weights[(velocity, velocity)] += velocity_weight;
                 let gains = gains(&delayed, &weights, effort_weight)?;
                 let count = plant.masses();

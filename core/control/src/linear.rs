@@ -12,14 +12,35 @@ const NO_DELAY: f64 = 1e-9;
 /// M q̈ + C q̇ + (K + k_w e₁e₁ᵀ) q = e_d f,    T ḟ = u − f
 /// ```
 ///
-/// The state is `q`, `q̇` and, with a lag, `f`: deviations from rest.
+/// The state is `q`, `q̇` and, with a lag, `f`: deviations from rest. In general `e₁` is `∂z/∂q` of the head and `e_d`
+/// that of what is driven.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearPantograph {
     state: DMatrix<f64>,
     input: DVector<f64>,
-    masses: usize,
-    driven: usize,
+    head: DVector<f64>,
+    driven: DVector<f64>,
     wire_stiffness: f64,
+}
+
+/// Any pantograph, linear about rest, without the wire and its drive's lag.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearParts {
+    /// `M`
+    pub mass: DMatrix<f64>,
+    /// `C`
+    pub damping: DMatrix<f64>,
+    /// `K`
+    pub stiffness: DMatrix<f64>,
+    /// `∂z/∂q` of the head.
+    pub head: DVector<f64>,
+    /// Generalised forces of a unit of the drive.
+    pub drive: DVector<f64>,
+}
+
+/// Unit vector `index` of `n`.
+fn unit(n: usize, index: usize) -> DVector<f64> {
+    DVector::from_fn(n, |row, _| f64::from(u8::from(row == index)))
 }
 
 impl LinearPantograph {
@@ -58,22 +79,70 @@ impl LinearPantograph {
         Self {
             state,
             input,
-            masses: n,
-            driven,
+            head: unit(n, 0),
+            driven: unit(n, driven),
             wire_stiffness,
         }
     }
 
-    /// Number of masses.
+    /// Pantograph of these parts with its head on a wire of `wire_stiffness` N/m; none where its mass is singular.
     #[must_use]
-    pub fn masses(&self) -> usize {
-        self.masses
+    pub fn of(parts: &LinearParts, actuator: &scene::Actuator, wire_stiffness: f64) -> Option<Self> {
+        let n = parts.head.len();
+        let has_lag = actuator.lag > 0.0;
+        let size = 2 * n + usize::from(has_lag);
+        let mass = parts.mass.clone().lu();
+        let on_wire = &parts.stiffness + &parts.head * parts.head.transpose() * wire_stiffness;
+        let drive = mass.solve(&parts.drive)?;
+        let (mut state, mut input) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        state.view_mut((0, n), (n, n)).fill_with_identity();
+        state.view_mut((n, 0), (n, n)).copy_from(&-mass.solve(&on_wire)?);
+        state.view_mut((n, n), (n, n)).copy_from(&-mass.solve(&parts.damping)?);
+        if has_lag {
+            state.view_mut((n, 2 * n), (n, 1)).copy_from(&drive);
+            state[(2 * n, 2 * n)] = -1.0 / actuator.lag;
+            input[2 * n] = 1.0 / actuator.lag;
+        } else {
+            input.rows_mut(n, n).copy_from(&drive);
+        }
+        Some(Self {
+            state,
+            input,
+            head: parts.head.clone(),
+            driven: parts.drive.clone(),
+            wire_stiffness,
+        })
     }
 
-    /// Mass that is driven, from 0.
+    /// Number of coordinates: masses of a chain.
     #[must_use]
-    pub fn driven(&self) -> usize {
-        self.driven
+    pub fn masses(&self) -> usize {
+        self.head.len()
+    }
+
+    /// Rise of the head in a state whose first entries are those of this pantograph, m.
+    pub(crate) fn rise(&self, state: &DVector<f64>) -> f64 {
+        self.head.dot(&state.rows(0, self.masses()))
+    }
+
+    /// Least deviation of the coordinates that raises the head by `rise` m.
+    pub(crate) fn raised(&self, rise: f64) -> DVector<f64> {
+        &self.head * (rise / self.head.norm_squared())
+    }
+
+    /// Velocity of the head, m/s.
+    pub(crate) fn head_velocity(&self, state: &DVector<f64>) -> f64 {
+        self.head.dot(&state.rows(self.masses(), self.masses()))
+    }
+
+    /// Way and velocity of what is driven, m and m/s, or rad and rad/s.
+    pub(crate) fn driven_way(&self, state: &DVector<f64>) -> [f64; 2] {
+        [0, self.masses()].map(|first| self.driven.dot(&state.rows(first, self.masses())))
+    }
+
+    /// Mass that is driven, from 0, of a chain.
+    pub(crate) fn driven_mass(&self) -> usize {
+        self.driven.imax()
     }
 
     /// Stiffness of the wire, N/m.
@@ -84,14 +153,14 @@ impl LinearPantograph {
 
     /// Acceleration of the head, m/s², in a state whose first entries are those of this pantograph, under a command.
     pub(crate) fn head_acceleration(&self, state: &DVector<f64>, command: f64) -> f64 {
-        let row = self.state.row(self.masses);
-        let by_state: f64 = row.iter().zip(state.iter()).map(|(a, x)| a * x).sum();
-        by_state + self.input[self.masses] * command
+        let n = self.masses();
+        let accelerations = self.state.rows(n, n) * state.rows(0, self.size()) + self.input.rows(n, n) * command;
+        self.head.dot(&accelerations)
     }
 
     /// State that is the force of the drive; none without a lag.
     pub(crate) fn drive_state(&self) -> Option<usize> {
-        (self.size() > 2 * self.masses).then_some(2 * self.masses)
+        (self.size() > 2 * self.masses()).then_some(2 * self.masses())
     }
 
     /// Number of states.

@@ -8,7 +8,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::controller::Reading;
 use crate::law::{KnownDrive, Law, Memory};
-use crate::linear::{Delayed, LinearPantograph};
+use crate::linear::{Delayed, LinearParts, LinearPantograph};
 use crate::riccati::NoGains;
 
 /// Longest delay that is searched, in samples.
@@ -32,10 +32,28 @@ impl SampledLoop {
     /// # Errors
     /// A linear-quadratic regulator without gains.
     pub fn new(control: &scene::Control, lumped: &scene::Lumped, wire_stiffness: f64) -> Result<Self, NoGains> {
+        let plant = LinearPantograph::new(lumped, &control.actuator, wire_stiffness);
+        Self::with(plant, control, Some(lumped))
+    }
+
+    /// Loop of any pantograph, linear about rest, with its head on a wire of `wire_stiffness` N/m.
+    ///
+    /// # Errors
+    /// A linear-quadratic regulator, which needs a chain, and a pantograph with a singular mass.
+    pub fn of(control: &scene::Control, parts: &LinearParts, wire_stiffness: f64) -> Result<Self, NoGains> {
+        let plant = LinearPantograph::of(parts, &control.actuator, wire_stiffness).ok_or(NoGains)?;
+        Self::with(plant, control, None)
+    }
+
+    fn with(
+        plant: LinearPantograph,
+        control: &scene::Control,
+        lumped: Option<&scene::Lumped>,
+    ) -> Result<Self, NoGains> {
         Ok(Self {
-            plant: LinearPantograph::new(lumped, &control.actuator, wire_stiffness),
+            plant,
             // The deviations from rest are those from a desired force of 0.
-            law: Law::new(control, Some(lumped), 0.0, 0.0)?,
+            law: Law::new(control, lumped, 0.0, 0.0)?,
             sample: control.sample_time,
             delay: control.delay(),
         })
@@ -95,8 +113,8 @@ impl SampledLoop {
         let (n, masses) = (delayed.size(), self.plant.masses());
         let mut memory = Memory::of(&state.as_slice()[n..]);
         let reading = Reading {
-            force: self.plant.wire_stiffness() * state[0],
-            driven: state[masses + self.plant.driven()],
+            force: self.plant.wire_stiffness() * self.plant.rise(state),
+            driven: self.plant.driven_way(state)[1],
             rises: state.rows(0, masses).iter().copied().collect(),
             velocities: state.rows(masses, masses).iter().copied().collect(),
             ..Reading::default()

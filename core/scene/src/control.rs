@@ -3,7 +3,7 @@
 use crate::check::{Found, refuse};
 use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::write::shown_number;
-use crate::{PantographModel, Scene};
+use crate::{Linkage, PantographModel, Scene};
 
 /// `pantograph.control`: sampled controller, sensors and actuator of one pantograph.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,11 +55,15 @@ pub enum ControlLaw {
 }
 
 /// `control.actuator`; by default a drive of the last mass without limits that follows its commands at once.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+///
+/// On a joint, every force of the drive is a moment in N·m.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Actuator {
     /// Mass of a lumped pantograph that the force acts on, from 1; `None` is the last one. A linkage is driven where
-    /// its raising force acts.
+    /// its raising force acts, or on a joint.
     pub mass: Option<usize>,
+    /// Revolute joint of a linkage that a moment acts on in place of the force: [`crate::Joint::name`].
+    pub joint: Option<String>,
     /// Largest command, N; `None` is no limit.
     pub limit: Option<f64>,
     /// Fastest change of the force, N/s; `None` is no limit.
@@ -120,15 +124,17 @@ impl ControlLaw {
         found.map_or("", |(name, _)| name)
     }
 
-    fn entry(kind: Kind, keys: &mut Keys, was: Option<Self>) -> Self {
+    /// Keys of a law whose commands are forces, or moments on a joint.
+    fn entry(kind: Kind, keys: &mut Keys, was: Option<Self>, on_joint: bool) -> Self {
         let of = |choose: fn(Self) -> Option<f64>| was.and_then(choose);
         match kind {
             Kind::Pid => {
                 let mut gain = |name, was, unit| keys.number(name, was, Number::not_negative(unit).default(0.0));
+                let [kp, ki, kd] = if on_joint { ["m", "m/s", "m s"] } else { ["–", "1/s", "s"] };
                 Self::Pid {
-                    kp: gain("kp", of(|law| law.pid(0)), "–"),
-                    ki: gain("ki", of(|law| law.pid(1)), "1/s"),
-                    kd: gain("kd", of(|law| law.pid(2)), "s"),
+                    kp: gain("kp", of(|law| law.pid(0)), kp),
+                    ki: gain("ki", of(|law| law.pid(1)), ki),
+                    kd: gain("kd", of(|law| law.pid(2)), kd),
                     derivative_lag: gain("derivative_lag", of(|law| law.pid(3)), "s"),
                 }
             }
@@ -151,8 +157,9 @@ impl ControlLaw {
                     Self::Skyhook { damping } => Some(damping),
                     _ => None,
                 };
+                let unit = if on_joint { "N m s/rad" } else { "N s/m" };
                 Self::Skyhook {
-                    damping: keys.number("damping", of(damping), Number::positive("N s/m")),
+                    damping: keys.number("damping", of(damping), Number::positive(unit)),
                 }
             }
             Kind::Given => Self::Given,
@@ -198,7 +205,11 @@ impl Entry for Control {
             "force",
             "Desired contact force; that at the start where it is left out.",
         ),
-        ("kp", "Proportional gain, force of the actuator per contact force."),
+        (
+            "kp",
+            "Proportional gain, force of the actuator per contact force; with `actuator.joint` a moment, and each gain \
+             in m times its unit.",
+        ),
         ("ki", "Integral gain."),
         ("kd", "Derivative gain."),
         ("derivative_lag", "Time constant of the filter of the derivative."),
@@ -209,7 +220,10 @@ impl Entry for Control {
             "wire_stiffness",
             "Stiffness of the contact wire that the gains are made for, that of the middle of a span say.",
         ),
-        ("damping", "Damper between the driven point and the sky."),
+        (
+            "damping",
+            "Damper between the driven point and the sky; with `actuator.joint` in the joint, N m s/rad.",
+        ),
         ("actuator", "Drive that acts on the pantograph."),
         (
             "sensors",
@@ -228,10 +242,11 @@ impl Entry for Control {
         let force = keys.optional_number("force", was.map(|control| control.force), Number::positive("N"));
         let actuator = keys.optional_inline_table("actuator", was.map(|control| Some(&control.actuator)));
         let sensors = keys.optional_inline_table("sensors", was.map(|control| Some(&control.sensors)));
+        let on_joint = actuator.as_ref().is_some_and(|actuator| actuator.joint.is_some());
         let law = if keys.describes() {
             for (name, kind) in KINDS {
                 keys.only(&format!("`law = \"{name}\"`"), |keys| {
-                    ControlLaw::entry(kind, keys, None)
+                    ControlLaw::entry(kind, keys, None, false)
                 });
             }
             ControlLaw::Given
@@ -239,7 +254,7 @@ impl Entry for Control {
             if kind.is_none() {
                 keys.abandon();
             }
-            kind.map_or(ControlLaw::Given, |kind| ControlLaw::entry(kind, keys, law))
+            kind.map_or(ControlLaw::Given, |kind| ControlLaw::entry(kind, keys, law, on_joint))
         };
         Self {
             law,
@@ -256,16 +271,30 @@ impl Entry for Actuator {
         (
             "mass",
             "Mass of a lumped pantograph that the force acts on, from 1; the last one where it is left out. A linkage \
-             is driven where its raising force acts.",
+             is driven where its raising force acts, or on a joint.",
         ),
-        ("limit", "Largest command; none where it is left out."),
-        ("rate_limit", "Fastest change of the force; none where it is left out."),
+        (
+            "joint",
+            "Revolute joint of a linkage that the drive turns in place of the force, named by its bodies as \
+             `\"base-lower_arm\"`: commands are moments in N m, positive where they raise the strip.",
+        ),
+        ("limit", "Largest command, N m on a joint; none where it is left out."),
+        (
+            "rate_limit",
+            "Fastest change of the force, N m/s of a moment on a joint; none where it is left out.",
+        ),
         ("lag", "Time constant of the force behind the command."),
         ("delay", "Time from a command to its effect."),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let mass = was.and_then(|actuator| actuator.mass);
+        let joint = keys.optional_text(
+            "joint",
+            was.map(|actuator| actuator.joint.as_deref()),
+            "the name of a joint, as \"base-lower_arm\"",
+        );
+        let [force, rate] = if joint.is_some() { ["N m", "N m/s"] } else { ["N", "N/s"] };
         let mut time = |name, was| keys.number(name, was, Number::not_negative("s").default(0.0));
         let lag = time("lag", was.map(|actuator| actuator.lag));
         let delay = time("delay", was.map(|actuator| actuator.delay));
@@ -273,11 +302,12 @@ impl Entry for Actuator {
             mass: keys
                 .has("mass", mass.is_some())
                 .then(|| keys.count("mass", mass, 1..=1000, None)),
-            limit: keys.optional_number("limit", was.map(|actuator| actuator.limit), Number::positive("N")),
+            joint,
+            limit: keys.optional_number("limit", was.map(|actuator| actuator.limit), Number::positive(force)),
             rate_limit: keys.optional_number(
                 "rate_limit",
                 was.map(|actuator| actuator.rate_limit),
-                Number::positive("N/s"),
+                Number::positive(rate),
             ),
             lag,
             delay,
@@ -308,11 +338,11 @@ impl Entry for Sensors {
         ),
         (
             "velocity_noise",
-            "Standard deviation of the noise of measured velocities.",
+            "Standard deviation of the noise of measured velocities; of a driven joint in rad/s.",
         ),
         (
             "position_noise",
-            "Standard deviation of the noise of measured positions.",
+            "Standard deviation of the noise of measured positions; of a driven joint in rad.",
         ),
         (
             "acceleration_noise",
@@ -346,7 +376,15 @@ impl Scene {
             let path = format!("pantograph[{}].control", index + 1);
             match &pantograph.model {
                 PantographModel::Lumped(lumped) => control.check_lumped(lumped, &path, found),
-                PantographModel::Linkage(_) => control.check_linkage(&path, found),
+                PantographModel::Linkage(linkage) => {
+                    control.check_linkage(linkage, &path, found);
+                    if control.actuator.joint.is_some() && self.controller_of(index).is_some() {
+                        let expected = "must be left out under a [[controller]], whose command is a force; moments \
+                                        on a joint come from \"pid\", \"skyhook\", or through control.force";
+                        let joint = control.actuator.joint.as_deref().unwrap_or_default();
+                        refuse(found, format!("{path}.actuator.joint"), format!("{joint:?}"), expected);
+                    }
+                }
                 PantographModel::Supplied(_) => {
                     let expected = "must be left out: fmu is given, which has a drive of its own or none";
                     refuse(found, &path, format!("law \"{}\"", control.law.name()), expected);
@@ -354,6 +392,14 @@ impl Scene {
             }
             control.check_times(self.solver.micro_step, &path, found);
         }
+    }
+}
+
+impl Actuator {
+    /// Unit of its commands.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        if self.joint.is_some() { "N m" } else { "N" }
     }
 }
 
@@ -370,6 +416,10 @@ impl Control {
             let expected = format!("must be at most {masses}, the number of masses");
             refuse(found, format!("{path}.actuator.mass"), mass.to_string(), expected);
         }
+        if let Some(joint) = &self.actuator.joint {
+            let expected = "must be left out with model = \"lumped\", which has no joints: mass names what is driven";
+            refuse(found, format!("{path}.actuator.joint"), format!("{joint:?}"), expected);
+        }
         if matches!(self.law, ControlLaw::Lqr { .. }) && !lumped.strips.is_empty() {
             let expected = "must be \"pid\", \"skyhook\" or \"given\" on a head with strips of its own: the gains of \
                             \"lqr\" are those of a plain chain of masses";
@@ -377,9 +427,18 @@ impl Control {
         }
     }
 
-    fn check_linkage(&self, path: &str, found: &mut Found) {
+    fn check_linkage(&self, linkage: &Linkage, path: &str, found: &mut Found) {
+        if let Some(joint) = &self.actuator.joint
+            && linkage.revolute(joint).is_none()
+        {
+            let names: Vec<String> = linkage.revolutes().map(|(joint, _)| format!("{:?}", joint.name())).collect();
+            let there = linkage.joints.iter().any(|other| other.name() == *joint);
+            let problem = if there { "no revolute joint" } else { "no such joint" };
+            let expected = format!("{problem}: must be one of {}", names.join(", "));
+            refuse(found, format!("{path}.actuator.joint"), format!("{joint:?}"), expected);
+        }
         if let Some(mass) = self.actuator.mass {
-            let expected = "must be left out: a linkage is driven where its raising force acts";
+            let expected = "must be left out: a linkage is driven where its raising force acts, or on a joint";
             refuse(found, format!("{path}.actuator.mass"), mass.to_string(), expected);
         }
         if matches!(self.law, ControlLaw::Lqr { .. }) {

@@ -126,6 +126,14 @@ impl Body {
     }
 }
 
+impl Joint {
+    /// Name by the bodies that it joins, `first-second`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{}-{}", self.first, self.second)
+    }
+}
+
 impl Linkage {
     /// The name that joints use for what the mechanism stands on.
     pub const BASE: &str = "base";
@@ -134,6 +142,20 @@ impl Linkage {
     #[must_use]
     pub fn body(&self, name: &str) -> Option<&Body> {
         self.bodies.iter().find(|body| body.name == name)
+    }
+
+    /// Revolute joints with their axes.
+    pub fn revolutes(&self) -> impl Iterator<Item = (&Joint, [f64; 3])> {
+        self.joints.iter().filter_map(|joint| match joint.kind {
+            JointKind::Revolute { axis } => Some((joint, axis)),
+            JointKind::Spherical | JointKind::Prismatic { .. } => None,
+        })
+    }
+
+    /// The revolute joint called `name`, see [`Joint::name`], with its axis.
+    #[must_use]
+    pub fn revolute(&self, name: &str) -> Option<(&Joint, [f64; 3])> {
+        self.revolutes().find(|(joint, _)| joint.name() == name)
     }
 }
 

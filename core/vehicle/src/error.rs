@@ -150,8 +150,25 @@ pub enum VehicleError {
         iterations: usize,
     },
     /// A model without a point that a drive could act on.
-    #[error("pantograph.control: a linkage reduced to one motion has no drive; leave \"linkage\" out of model.reduce")]
+    #[error("pantograph.control: this pantograph has no point that a drive could act on")]
     NoDrive,
+    /// A name that belongs to no revolute joint of the linkage.
+    #[error("pantograph.control.actuator.joint = \"{name}\": the linkage has no revolute joint of this name")]
+    UnknownJoint {
+        /// Name found under the key.
+        name: String,
+    },
+    /// A joint whose moment does not press the strip against the wire.
+    #[error(
+        "pantograph.control.actuator.joint = \"{name}\": a moment on it does not raise the strip in the tabulated \
+         position (it bears {ratio:.1e} N of contact force per N m): drive another joint"
+    )]
+    RaisesNothing {
+        /// Name of the joint.
+        name: String,
+        /// Contact force per moment, 1/m.
+        ratio: f64,
+    },
     /// A regulator without gains.
     #[error("pantograph.control: {0}")]
     NoGains(#[from] control::NoGains),

@@ -10,6 +10,8 @@ use nalgebra::Vector3;
 use scene::{PantographModel as Entry, Scene};
 use std::sync::Arc;
 
+mod linearised;
+
 /// Inputs for the wind on a pantograph in x, y, z, m/s.
 pub const WIND_INPUTS: usize = 3;
 
@@ -74,6 +76,8 @@ pub struct PantographModel {
     base: Base,
     /// Input that drives it.
     drive: Option<usize>,
+    /// True where the drive is a moment on a joint.
+    drives_joint: bool,
     /// Strips that the instruments of its controller see; none without commands from outside.
     seen: Seen,
 }
@@ -116,6 +120,7 @@ impl PantographModel {
             placement,
             base,
             drive: None,
+            drives_joint: false,
             seen: Seen::default(),
         })
     }
@@ -125,9 +130,13 @@ impl PantographModel {
     /// # Errors
     /// See [`VehicleError`].
     pub fn of_scene(scene: &Scene, index: usize, layout: &mut Layout) -> Result<Self, VehicleError> {
+        Self::placed(scene, index, Placement::of_scene(scene, index), layout)
+    }
+
+    fn placed(scene: &Scene, index: usize, placement: Placement, layout: &mut Layout) -> Result<Self, VehicleError> {
         let entry = &scene.pantographs[index].model;
         let name = format!("pantograph {}", index + 1);
-        let mut model = Self::new(entry, Placement::of_scene(scene, index), &name, layout)?;
+        let mut model = Self::new(entry, placement, &name, layout)?;
         model.expose_to(Air::of_scene(scene, index).as_ref());
         Ok(model)
     }
@@ -139,7 +148,17 @@ impl PantographModel {
     /// # Errors
     /// See [`VehicleError`].
     pub fn started(scene: &Scene, index: usize, layout: &mut Layout) -> Result<(Self, Equilibrium), VehicleError> {
-        let mut model = Self::of_scene(scene, index, layout)?;
+        Self::started_on(scene, index, Placement::of_scene(scene, index), layout)
+    }
+
+    /// The same with another placement.
+    fn started_on(
+        scene: &Scene,
+        index: usize,
+        placement: Placement,
+        layout: &mut Layout,
+    ) -> Result<(Self, Equilibrium), VehicleError> {
+        let mut model = Self::placed(scene, index, placement, layout)?;
         let start = |strip: usize| {
             let start = scene.pantographs[index].strip_start(strip);
             start.map_or_else(|| model.reference_height(), |start| start.height)
@@ -418,7 +437,7 @@ impl PantographModel {
     /// pantograph from now on; `start` is the contact force at the start, N.
     ///
     /// # Errors
-    /// [`VehicleError::NoDrive`], [`VehicleError::NoGains`].
+    /// See [`VehicleError`]: no such drive, no gains.
     pub fn controlled(
         &mut self,
         scene: &Scene,
@@ -434,10 +453,9 @@ impl PantographModel {
             Entry::Lumped(lumped) => Some(lumped),
             _ => None,
         };
-        if !self.pantograph.drive_by(control.actuator.mass, input) {
-            return Err(VehicleError::NoDrive);
-        }
+        self.pantograph.drive_by(&control.actuator, input)?;
         self.drive = Some(input);
+        self.drives_joint = control.actuator.joint.is_some();
         let controller = Controller::new(control, lumped, self.static_force(), start)?;
         if controller.takes_commands() {
             self.seen = Seen((0..self.strips()).map(|strip| self.strip_at(strip)).collect());
@@ -461,7 +479,13 @@ impl PantographModel {
         reading.head_acceleration = acceleration / strips;
     }
 
-    /// Force of the controlled drive, N; 0 without one.
+    /// True where the controlled drive is a moment on a joint.
+    #[must_use]
+    pub fn drives_joint(&self) -> bool {
+        self.drives_joint
+    }
+
+    /// Force of the controlled drive, N, or its moment on a joint, N·m; 0 without one.
     #[must_use]
     pub fn drive_force(&self, motion: &Motion<'_>) -> f64 {
         self.drive.map_or(0.0, |input| motion.u[input])

@@ -1,6 +1,6 @@
 //! The pantograph as a component: table of its signals, and its parameters.
 use crate::{AppliedForce, Checkpoint, INPUTS, Subsystem, VehicleError};
-use component::exchange::{instrument, load, strip};
+use component::exchange::{instrument, load, moment, strip};
 use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, StepFailure};
 use dynamics::StepError;
 use scene::{ControlLaw, PantographModel, Scene};
@@ -87,58 +87,76 @@ const fn velocity<const AXIS: usize>() -> SignalEntry<Subsystem> {
     )
 }
 
-static STRIP: [SignalEntry<Subsystem>; strip::OUTPUTS] = [
-    position::<0>(),
-    position::<1>(),
-    position::<2>(),
-    velocity::<0>(),
-    velocity::<1>(),
-    velocity::<2>(),
-    SignalEntry::output_with_rate(
-        strip::SIGNALS[strip::ROLL],
-        |side, strip| side.strip_at(strip).roll,
-        |side, strip| side.strip_angular_velocity(strip).x,
-    ),
-    SignalEntry::output(strip::SIGNALS[strip::WORK], |side, strip| side.work(strip)),
-    SignalEntry::output(strip::SIGNALS[strip::WIND_DRAG], |side, _| side.wind_on_strip()[0]),
-    SignalEntry::output(strip::SIGNALS[strip::WIND_LIFT], |side, _| side.wind_on_strip()[1]),
-    SignalEntry::output(strip::SIGNALS[strip::CONTROL], |side, _| side.drive_force_of_strip()),
-];
+/// Outputs of a strip, with its part in the drive.
+const fn strip_outputs(control: DeclaredSignal) -> [SignalEntry<Subsystem>; strip::OUTPUTS] {
+    [
+        position::<0>(),
+        position::<1>(),
+        position::<2>(),
+        velocity::<0>(),
+        velocity::<1>(),
+        velocity::<2>(),
+        SignalEntry::output_with_rate(
+            strip::SIGNALS[strip::ROLL],
+            |side, strip| side.strip_at(strip).roll,
+            |side, strip| side.strip_angular_velocity(strip).x,
+        ),
+        SignalEntry::output(strip::SIGNALS[strip::WORK], |side, strip| side.work(strip)),
+        SignalEntry::output(strip::SIGNALS[strip::WIND_DRAG], |side, _| side.wind_on_strip()[0]),
+        SignalEntry::output(strip::SIGNALS[strip::WIND_LIFT], |side, _| side.wind_on_strip()[1]),
+        SignalEntry::output(control, |side, _| side.drive_force_of_strip()),
+    ]
+}
 
 /// Command of a controller whose commands are given; it holds until the next one.
-static COMMAND: [SignalEntry<Subsystem>; 1] = [SignalEntry {
-    declared: DeclaredSignal::real(
-        "control.force",
-        "N",
-        "Force that the drive is to exert, taken at its next sample",
-    ),
-    access: Access::Input {
-        start: |_, _| 0.0,
-        get: |side: &Subsystem, _, _| side.given_command(),
-        set: |side, _, _, value| side.give_command(value),
-        set_derivative: |_, _, _, _, _| {},
-    },
-}];
+const fn command(declared: DeclaredSignal) -> [SignalEntry<Subsystem>; 1] {
+    [SignalEntry {
+        declared,
+        access: Access::Input {
+            start: |_, _| 0.0,
+            get: |side: &Subsystem, _, _| side.given_command(),
+            set: |side, _, _, value| side.give_command(value),
+            set_derivative: |_, _, _, _, _| {},
+        },
+    }]
+}
 
 /// Reading of an instrument.
 macro_rules! reading {
+    ($declared:expr, $index:ident) => {
+        SignalEntry::output($declared, |side: &mut Subsystem, _| side.shown(instrument::$index))
+    };
     ($index:ident) => {
-        SignalEntry::output(instrument::SIGNALS[instrument::$index], |side: &mut Subsystem, _| {
-            side.shown(instrument::$index)
-        })
+        reading!(instrument::SIGNALS[instrument::$index], $index)
     };
 }
 
 /// Readings of the controller's instruments, for whoever gives the commands.
-static INSTRUMENTS: [SignalEntry<Subsystem>; instrument::COUNT] = [
-    reading!(FORCE),
-    reading!(DESIRED),
-    reading!(VELOCITY),
-    reading!(POSITION),
-    reading!(HEAD_HEIGHT),
-    reading!(HEAD_VELOCITY),
-    reading!(HEAD_ACCELERATION),
-];
+const fn instruments(
+    velocity: DeclaredSignal,
+    position: DeclaredSignal,
+) -> [SignalEntry<Subsystem>; instrument::COUNT] {
+    [
+        reading!(FORCE),
+        reading!(DESIRED),
+        reading!(velocity, VELOCITY),
+        reading!(position, POSITION),
+        reading!(HEAD_HEIGHT),
+        reading!(HEAD_VELOCITY),
+        reading!(HEAD_ACCELERATION),
+    ]
+}
+
+static STRIP: [SignalEntry<Subsystem>; strip::OUTPUTS] = strip_outputs(strip::SIGNALS[strip::CONTROL]);
+static STRIP_BY_MOMENT: [SignalEntry<Subsystem>; strip::OUTPUTS] = strip_outputs(moment::CONTROL);
+static COMMAND: [SignalEntry<Subsystem>; 1] = command(instrument::INPUT);
+static COMMANDED_MOMENT: [SignalEntry<Subsystem>; 1] = command(moment::COMMAND);
+static INSTRUMENTS: [SignalEntry<Subsystem>; instrument::COUNT] = instruments(
+    instrument::SIGNALS[instrument::VELOCITY],
+    instrument::SIGNALS[instrument::POSITION],
+);
+static INSTRUMENTS_OF_JOINT: [SignalEntry<Subsystem>; instrument::COUNT] =
+    instruments(moment::VELOCITY, moment::POSITION);
 
 /// Signals of the pantograph below the strip.
 static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
@@ -152,9 +170,21 @@ static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
     ),
 ];
 
+/// Drive of a pantograph, for its signals.
+struct Driven {
+    takes_commands: bool,
+    on_joint: bool,
+}
+
 /// Signals of a pantograph with this many strips on a vehicle with this many wheels, or on none; with commands from
 /// outside or without.
-fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [SignalGroup<Subsystem>; 9] {
+fn groups(strips: usize, wheels: Option<usize>, driven: &Driven) -> [SignalGroup<Subsystem>; 9] {
+    let (outputs, command, readings) = if driven.on_joint {
+        (&STRIP_BY_MOMENT[..], &COMMANDED_MOMENT[..], &INSTRUMENTS_OF_JOINT[..])
+    } else {
+        (&STRIP[..], &COMMAND[..], &INSTRUMENTS[..])
+    };
+    let commanded = usize::from(driven.takes_commands);
     let group = |name, entries, members| SignalGroup {
         name,
         entries,
@@ -165,10 +195,10 @@ fn groups(strips: usize, wheels: Option<usize>, takes_commands: bool) -> [Signal
     [
         group(Some(load::GROUP), &LOAD[..], strips),
         group(None, &WIND[..], 1),
-        group(None, &COMMAND[..], usize::from(takes_commands)),
-        group(Some(strip::GROUP), &STRIP[..], strips),
+        group(None, command, commanded),
+        group(Some(strip::GROUP), outputs, strips),
         group(None, &PANTOGRAPH[..], 1),
-        group(None, &INSTRUMENTS[..], usize::from(takes_commands)),
+        group(None, readings, commanded),
         base,
         wheel,
         more_base,
@@ -187,14 +217,21 @@ impl Component for Subsystem {
     fn groups_of(scene: &Scene) -> Self::Groups {
         let strips = scene.pantographs[0].strips().len();
         let control = scene.pantographs[0].control.as_ref();
-        let takes_commands = control.is_some_and(|control| control.law == ControlLaw::Given);
+        let driven = Driven {
+            takes_commands: control.is_some_and(|control| control.law == ControlLaw::Given),
+            on_joint: control.is_some_and(|control| control.actuator.joint.is_some()),
+        };
         let wheels = scene.vehicle.is_some().then(|| vehicle::wheel_count(scene));
-        groups(strips, wheels, takes_commands)
+        groups(strips, wheels, &driven)
     }
 
     fn groups(&self) -> Self::Groups {
         // A pantograph without vehicle ends before the groups of the vehicle.
-        groups(self.strips(), Some(self.wheels()), self.takes_commands())
+        let driven = Driven {
+            takes_commands: self.takes_commands(),
+            on_joint: self.drives_joint(),
+        };
+        groups(self.strips(), Some(self.wheels()), &driven)
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {

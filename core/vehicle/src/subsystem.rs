@@ -342,14 +342,14 @@ impl Subsystem {
         self.work[strip]
     }
 
-    /// Part of each strip in the force of the controlled drive now, N; 0 without one.
+    /// Part of each strip in the force of the controlled drive now, N, or in its moment, N·m; 0 without one.
     pub fn drive_force_of_strip(&mut self) -> f64 {
         let strips = self.strips() as f64;
         let (pantograph, motion) = self.pantograph();
         pantograph.drive_force(&motion) / strips
     }
 
-    /// Sets the command of a controller whose commands are given, N.
+    /// Sets the command of a controller whose commands are given, N, or N·m on a joint.
     pub fn give_command(&mut self, command: f64) {
         for channel in &mut self.controllers {
             channel.controller.give(command);
@@ -375,6 +375,12 @@ impl Subsystem {
             model.read_instruments(&motion, &state.v_dot, reached, reading);
         });
         instruments(shown, desired)[index]
+    }
+
+    /// True where the controlled drive is a moment on a joint.
+    #[must_use]
+    pub fn drives_joint(&self) -> bool {
+        self.simulator.system.pantograph.drives_joint()
     }
 
     /// True where commands come from outside.

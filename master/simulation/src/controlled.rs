@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use catenary::StaticLine;
-use control::{FEWEST_SAMPLES, SampledLoop};
+use control::{FEWEST_SAMPLES, LinearParts, NoGains, SampledLoop};
 use cosim::chain;
 use dynamics::OutsideError;
 use results::statistics::ForceStatistics;
@@ -52,9 +52,11 @@ fn described(scene: &Scene, index: usize, control: &Control) -> String {
         },
     };
     let actuator = &control.actuator;
-    let place = actuator
-        .mass
-        .map_or_else(String::new, |mass| format!(" on mass {mass}"));
+    let place = match (actuator.mass, &actuator.joint) {
+        (Some(mass), _) => format!(" on mass {mass}"),
+        (_, Some(joint)) => format!(" on joint {joint}"),
+        (None, None) => String::new(),
+    };
     let mut text = format!("{rule} every {} ms; drive{place}", 1e3 * control.sample_time);
     let delay = control.delay();
     // Writing into a String does not fail.
@@ -63,16 +65,17 @@ fn described(scene: &Scene, index: usize, control: &Control) -> String {
             let _ = write!(text, ", {name} {} ms", 1e3 * value);
         }
     }
-    for (value, unit) in [(actuator.limit, "N"), (actuator.rate_limit, "N/s")] {
+    for (value, per) in [(actuator.limit, ""), (actuator.rate_limit, "/s")] {
         if let Some(value) = value {
-            let _ = write!(text, ", at most {value} {unit}");
+            let _ = write!(text, ", at most {value} {}{per}", actuator.unit());
         }
     }
     text
 }
 
-/// Remarks on the stability of the loops by linear theory: the pantograph without friction and stops on a wire of the
-/// static stiffness at the first support and in the middle of the evaluated span `span` (from 1).
+/// Remarks on the stability of the loops by linear theory: the pantograph without friction and stops, a linkage about
+/// its start on a base that stands still, on a wire of the static stiffness at the first support and in the middle of
+/// the evaluated span `span` (from 1).
 ///
 /// The rule of a controller FMU is found by trials, where the FMU is in `controllers`, one place for each pantograph: a
 /// run has taken it.
@@ -86,24 +89,58 @@ pub(crate) fn foreseen(
     let mut known = None;
     let mut stiffnesses = || *known.get_or_insert_with(|| static_stiffnesses(scene, statics, span));
     let remarks = all(scene).filter_map(|(index, control)| {
-        let lumped = match &scene.pantographs[index].model {
-            PantographModel::Lumped(lumped) => Some(lumped),
-            _ => None,
+        let plant = match &scene.pantographs[index].model {
+            PantographModel::Lumped(lumped) => Ok(Plant::Chain(lumped)),
+            PantographModel::Linkage(_) => vehicle::PantographModel::linearised(scene, index)
+                .map(|parts| parts.map_or(Plant::Unknown, Plant::Linear))
+                .map_err(|error| chain(&error)),
+            PantographModel::Supplied(_) => Ok(Plant::Unknown),
         };
         if let Some((number, _)) = scene.controller_of(index) {
-            let tried = controllers.get_mut(index).and_then(Option::as_mut).zip(lumped);
-            let Some((controller, lumped)) = tried else {
+            let tried = controllers.get_mut(index).and_then(Option::as_mut).zip(plant.ok());
+            let Some((controller, plant)) = tried else {
                 return Some(not_foreseen(index, number, control));
             };
-            return Some(match tried_rule(scene, index, lumped, stiffnesses()?, controller) {
+            return Some(match tried_rule(scene, index, &plant, stiffnesses()?, controller) {
                 Ok(Some([margin, stiffness])) => asked_in_words((index, number), control, margin, stiffness),
                 Ok(None) => not_foreseen(index, number, control),
                 Err(error) => format!("{}; its trial: {}", not_foreseen(index, number, control), chain(&error)),
             });
         }
-        remark(index, control, lumped?, &mut stiffnesses)
+        if control.law == ControlLaw::Given {
+            return None;
+        }
+        match plant {
+            Ok(plant) => remark(index, control, &plant, &mut stiffnesses),
+            Err(reason) => Some(format!(
+                "pantograph[{}].control: the delay that the loop bears is not told, for linear theory needs a linkage \
+                 of one motion: {reason}",
+                index + 1
+            )),
+        }
     });
     remarks.collect()
+}
+
+/// A pantograph for linear theory.
+enum Plant<'a> {
+    /// Chain of masses.
+    Chain(&'a Lumped),
+    /// Linkage about its start.
+    Linear(LinearParts),
+    /// Nothing to control.
+    Unknown,
+}
+
+impl Plant<'_> {
+    /// Loop on a wire of `stiffness` N/m.
+    fn in_loop(&self, control: &Control, stiffness: f64) -> Result<SampledLoop, NoGains> {
+        match self {
+            Self::Chain(lumped) => SampledLoop::new(control, lumped, stiffness),
+            Self::Linear(parts) => SampledLoop::of(control, parts, stiffness),
+            Self::Unknown => Err(NoGains),
+        }
+    }
 }
 
 /// Least and largest static stiffness of the line at a support and in the middle of a span, N/m. The support is the
@@ -125,8 +162,8 @@ fn static_stiffnesses(scene: &Scene, statics: Option<&StaticLine>, span: usize) 
 fn not_foreseen(index: usize, number: usize, control: &Control) -> String {
     format!(
         "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that its \
-         loop bears is not told here: master check tries it on a lumped pantograph, where the run has {FEWEST_SAMPLES} \
-         samples or more, and runs with a longer pantograph[{0}].control.sensors.delay find where the force of the \
+         loop bears is not told here: master check tries it where the run has {FEWEST_SAMPLES} samples or more, on a lumped \
+         pantograph or a linkage of one motion, and runs with a longer pantograph[{0}].control.sensors.delay find where the force of the \
          drive runs away; it has {2:.1} ms",
         index + 1,
         number + 1,
@@ -139,7 +176,7 @@ fn not_foreseen(index: usize, number: usize, control: &Control) -> String {
 fn tried_rule(
     scene: &Scene,
     index: usize,
-    lumped: &Lumped,
+    plant: &Plant<'_>,
     stiffnesses: [f64; 2],
     controller: &mut SuppliedController,
 ) -> Result<Option<[f64; 2]>, OutsideError> {
@@ -153,7 +190,7 @@ fn tried_rule(
     controller.keep_history().map_err(OutsideError::new)?;
     let mut least = [f64::INFINITY, stiffnesses[0]];
     for stiffness in stiffnesses {
-        let of_loop = SampledLoop::new(control, lumped, stiffness).map_err(OutsideError::new)?;
+        let of_loop = plant.in_loop(control, stiffness).map_err(OutsideError::new)?;
         match of_loop.delay_margin_of(controller, desired, samples)? {
             Some(margin) if margin < least[0] => least = [margin, stiffness],
             Some(_) => {}
@@ -192,15 +229,12 @@ fn asked_in_words((index, number): (usize, usize), control: &Control, margin: f6
 fn remark(
     index: usize,
     control: &Control,
-    lumped: &Lumped,
+    plant: &Plant<'_>,
     stiffnesses: &mut dyn FnMut() -> Option<[f64; 2]>,
 ) -> Option<String> {
-    if control.law == ControlLaw::Given {
-        return None;
-    }
     let stiffnesses = stiffnesses()?;
     let margins = stiffnesses.map(|stiffness| {
-        let found = SampledLoop::new(control, lumped, stiffness).ok();
+        let found = plant.in_loop(control, stiffness).ok();
         found.map(|found| (found.spectral_radius(), found.delay_margin(), stiffness))
     });
     let worst = margins.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -250,7 +284,10 @@ pub(crate) fn remarks(scene: &Scene, evaluation: &Evaluation, record: &Record) -
             let at = forces.iter().filter(|force| force.abs() >= AT_LIMIT * limit);
             at.count() as f64 / forces.len() as f64
         });
-        let away = if rms > contact.mean || at_limit > MOSTLY {
+        // A moment has no measure in the contact force.
+        let unit = control.actuator.unit();
+        let exceeds = rms > contact.mean && control.actuator.joint.is_none();
+        let away = if exceeds || at_limit > MOSTLY {
             "; the loop of controller, pantograph and line has run away: it needs smaller gains, shorter delays or a \
              shorter sample_time"
         } else {
@@ -262,7 +299,7 @@ pub(crate) fn remarks(scene: &Scene, evaluation: &Evaluation, record: &Record) -
             String::new()
         };
         Some(format!(
-            "pantograph {}: force of the controlled drive {rms:.1} N rms, at most {largest:.1} N{bound}{away}",
+            "pantograph {}: force of the controlled drive {rms:.1} {unit} rms, at most {largest:.1} {unit}{bound}{away}",
             index + 1
         ))
     });

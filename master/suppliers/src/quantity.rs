@@ -145,6 +145,14 @@ pub(super) fn output(side: Side, name: &str) -> WiredValue {
     Quantity::output(side, name).map_or(WiredValue::Unused, |quantity| quantity.value)
 }
 
+/// Signal of the pantograph behind a name in the wiring of a controller; none for the time.
+pub(super) fn instrument_of(name: &str) -> Option<&'static str> {
+    match input(Side::Controller, name) {
+        WiredValue::Entry(index, _) => instrument::SIGNALS.get(index).map(|signal| signal.name),
+        _ => None,
+    }
+}
+
 /// Strip (from 0) to which a name of a line's wiring belongs.
 pub(super) fn strip_of(name: &str) -> Option<usize> {
     indexed(name, strip::GROUP)

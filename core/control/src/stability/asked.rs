@@ -85,15 +85,17 @@ impl SampledLoop {
         let delayed = Delayed::new(&self.plant, self.sample, delay);
         let stiffness = self.plant.wire_stiffness();
         let mut state = DVector::zeros(delayed.size());
-        state[0] = SMALL * desired / stiffness;
-        let (mut force, mut command) = (stiffness * state[0], 0.0);
+        state
+            .rows_mut(0, self.plant.masses())
+            .copy_from(&self.plant.raised(SMALL * desired / stiffness));
+        let (mut force, mut command) = (stiffness * self.plant.rise(&state), 0.0);
         let (mut early, mut windows) = (0.0_f64, [0.0_f64; 3]);
         for number in 0..samples {
             let reading = self.reading(&state, command, desired);
             command = rule.command(number as i64, &reading, desired)?;
             state = &delayed.state * state + &delayed.input * command;
-            let change = (stiffness * state[0] - force).abs();
-            force = stiffness * state[0];
+            let change = (stiffness * self.plant.rise(&state) - force).abs();
+            force = stiffness * self.plant.rise(&state);
             if !change.is_finite() {
                 return Ok(false);
             }
@@ -109,13 +111,14 @@ impl SampledLoop {
 
     /// Reading of the instruments: deviations from rest, but for the force.
     fn reading(&self, state: &DVector<f64>, command: f64, desired: f64) -> Reading {
-        let (masses, driven) = (self.plant.masses(), self.plant.driven());
+        let masses = self.plant.masses();
+        let [driven_place, driven] = self.plant.driven_way(state);
         Reading {
-            force: desired + self.plant.wire_stiffness() * state[0],
-            driven: state[masses + driven],
-            driven_place: state[driven],
-            head_height: state[0],
-            head_velocity: state[masses],
+            force: desired + self.plant.wire_stiffness() * self.plant.rise(state),
+            driven,
+            driven_place,
+            head_height: self.plant.rise(state),
+            head_velocity: self.plant.head_velocity(state),
             head_acceleration: self.plant.head_acceleration(state, command),
             rises: state.rows(0, masses).iter().copied().collect(),
             velocities: state.rows(masses, masses).iter().copied().collect(),

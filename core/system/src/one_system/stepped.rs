@@ -5,7 +5,7 @@ use std::mem::swap;
 
 use catenary::StaticLine;
 use component::Point;
-use component::exchange::{contact, strip, support};
+use component::exchange::{contact, instrument, moment, strip, support};
 use control::{Asked, ControllerState, Rule};
 use dynamics::{Checkpoint, OutsideError, StepError};
 use scene::{ControlLaw, Scene};
@@ -150,7 +150,12 @@ fn signals(scene: &Scene, settable: &[bool], supports: &[usize]) -> Vec<SteppedS
             let name = declared.of(contact::GROUP, i + 1);
             output(name, declared, i + 1, At::Line(i * contact::COUNT + index))
         }));
-        let declared = STRIP.iter().map(|&index| (index, &strip::SIGNALS[index]));
+        let control = scene.pantographs[scene.head_of(i).0].control.as_ref();
+        let on_joint = control.is_some_and(|control| control.actuator.joint.is_some());
+        let declared = STRIP.iter().map(|&index| match index {
+            strip::CONTROL if on_joint => (index, &moment::CONTROL),
+            index => (index, &strip::SIGNALS[index]),
+        });
         signals.extend(declared.map(|(index, declared)| {
             let name = declared.of(strip::GROUP, i + 1);
             output(name, declared, i + 1, At::Strip(i * strip::OUTPUTS + index))
@@ -172,11 +177,13 @@ fn signals(scene: &Scene, settable: &[bool], supports: &[usize]) -> Vec<SteppedS
         });
         let controls = scene.pantographs[..i].iter().filter(|own| own.control.is_some());
         let control = scene.pantographs[i].control.as_ref();
-        if control.is_some_and(|control| control.law == ControlLaw::Given) {
+        if let Some(control) = control.filter(|control| control.law == ControlLaw::Given) {
+            let on_joint = control.actuator.joint.is_some();
+            let declared = if on_joint { moment::COMMAND } else { instrument::INPUT };
             signals.push(SteppedSignal {
-                name: format!("{PANTOGRAPH}[{}].control.force", i + 1),
-                unit: "N",
-                description: "Force that the drive is to exert, taken at its next sample".to_owned(),
+                name: declared.of(PANTOGRAPH, i + 1),
+                unit: declared.unit().unwrap_or_default(),
+                description: declared.description.to_owned(),
                 settable: true,
                 at: At::Command(controls.count()),
             });

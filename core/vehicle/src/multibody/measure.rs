@@ -143,16 +143,46 @@ impl PairView {
         })
     }
 
-    fn second_derivative(&self, measure: Measure, k: usize, l: usize) -> f64 {
-        let ((c_k, t_k), (c_l, t_l)) = (self.column(k), self.column(l));
+    /// Rates of the turn of the second anchor against the first one about the third axis of the first, rad, one per
+    /// entry of [`PairView::indices`], zero behind.
+    pub(crate) fn turning(&self) -> SVector<f64, WIDTH> {
+        let axis = Self::axis(&self.first, 2);
+        SVector::from_fn(|k, _| if k < self.count { self.turn_of(k) * axis.dot(&self.column(k).0) } else { 0.0 })
+    }
+
+    /// Derivative of entry k (row) of [`PairView::turning`] in the direction of velocity l (column).
+    pub(crate) fn turning_change(&self) -> SMatrix<f64, WIDTH, WIDTH> {
+        let axis = Self::axis(&self.first, 2);
+        SMatrix::from_fn(|k, l| {
+            if k >= self.count || l >= self.count {
+                return 0.0;
+            }
+            let (c_k, c_l) = (self.column(k).0, self.column(l).0);
+            let axis_l = if self.is_first(l) { c_l.cross(&axis) } else { Vector3::zeros() };
+            let (c_kl, _) = self.column_change(k, l);
+            self.turn_of(k) * (axis_l.dot(&c_k) + axis.dot(&c_kl))
+        })
+    }
+
+    /// Sign of a rotation in the turn of the second anchor against the first one.
+    fn turn_of(&self, k: usize) -> f64 {
+        if self.is_first(k) { -1.0 } else { 1.0 }
+    }
+
+    /// Changes of the column k itself in the direction of velocity l: of `c_k`, and of `t_k` with the sign of its part.
+    fn column_change(&self, k: usize, l: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let ((c_k, t_k), (c_l, _)) = (self.column(k), self.column(l));
         let same_body = self.is_first(k) == self.is_first(l);
-        let turns = same_body && c_k != Vector3::zeros();
-        // Changes of the column k itself.
-        let (c_kl, t_kl) = if turns {
+        if same_body && c_k != Vector3::zeros() {
             (c_l.cross(&c_k), c_l.cross(&t_k))
         } else {
             (Vector3::zeros(), Vector3::zeros())
-        };
+        }
+    }
+
+    fn second_derivative(&self, measure: Measure, k: usize, l: usize) -> f64 {
+        let ((c_k, t_k), (c_l, t_l)) = (self.column(k), self.column(l));
+        let (c_kl, t_kl) = self.column_change(k, l);
         match measure {
             Measure::Point(axis) => t_kl[axis],
             Measure::Along(axis) => {

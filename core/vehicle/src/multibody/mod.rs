@@ -7,7 +7,7 @@
 //! | `measure` | scalar functions of two anchors, with derivatives |
 //! | `joint` | ideal joints |
 //! | `axial_spring`, `bushing`, `characteristic` | springs and dampers |
-//! | `dead_force`, `applied_force` | constant forces, and the contact force as an input |
+//! | `dead_force`, `applied_force`, `joint_moment` | constant forces, the contact force and the moment of a drive as inputs |
 mod anchor;
 mod applied_force;
 mod axial_spring;
@@ -16,6 +16,7 @@ mod bushing;
 mod characteristic;
 mod dead_force;
 mod joint;
+mod joint_moment;
 mod measure;
 #[cfg(test)]
 mod tests;
@@ -30,4 +31,5 @@ pub(crate) use bushing::Rates;
 pub(crate) use characteristic::Characteristic;
 pub(crate) use dead_force::{DeadForce, DriveForce};
 pub use joint::Joint;
+pub(crate) use joint_moment::JointMoment;
 pub(crate) use measure::{Measure, Pair, add_square};

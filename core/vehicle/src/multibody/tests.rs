@@ -203,6 +203,26 @@ fn the_tangent_and_the_power_of_a_drive_are_those_of_its_force() {
     assert_driven(&mut drive, &state, &u);
 }
 
+#[test]
+fn the_tangent_and_the_power_of_a_moment_in_a_joint_are_those_of_its_force() {
+    let two = two();
+    let (state, u) = (awkward(&two.layout), [0.0, 70.0]);
+    for anchors in [
+        [two.anchor(0), two.anchor(1)],
+        [Two::base(), two.anchor(1)],
+        [two.anchor(1), Two::base()],
+    ] {
+        for sense in [1.0, -1.0] {
+            let mut moment = JointMoment::new(anchors.clone(), sense, 1);
+            assert_driven(&mut moment, &state, &u);
+            // About an axis of the one body that turns, the moment is constant in the directions of the body.
+            if !matches!(anchors[1], Anchor::Base(_)) {
+                assert_tangent(&mut moment, &two.layout, &state, &u);
+            }
+        }
+    }
+}
+
 /// Top of a short head with horns.
 fn top() -> dynamics::MonotoneCubic {
     scene::Horns {

@@ -104,11 +104,15 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
         false
     }
 
-    /// Lets an input drive the pantograph, N: on mass `mass` (from 1) of a chain, the last one where none is named, or
-    /// where the raising force of a linkage acts; `false` for a model without such a point.
-    fn drive_by(&mut self, mass: Option<usize>, input: usize) -> bool {
-        let _ = (mass, input);
-        false
+    /// Lets an input drive the pantograph, N: on a mass of a chain, or where the raising force of a linkage acts; N·m on
+    /// a joint of a linkage.
+    ///
+    /// # Errors
+    /// [`VehicleError::NoDrive`] for a model without such a point, [`VehicleError::UnknownJoint`],
+    /// [`VehicleError::RaisesNothing`].
+    fn drive_by(&mut self, actuator: &scene::Actuator, input: usize) -> Result<(), VehicleError> {
+        let _ = (actuator, input);
+        Err(VehicleError::NoDrive)
     }
 
     /// Reads the motion of the pantograph for its controller.

@@ -1,5 +1,6 @@
 //! The linkage: a pantograph of rigid bodies and joints.
 mod builder;
+mod drive;
 mod head;
 mod statics;
 
@@ -7,11 +8,12 @@ use super::air::{Air, AirForces, AirMarker, points_of};
 use super::base_mount::{BaseDisplacement, BaseMount};
 use super::equilibrium::{Equilibrium, Offsets, Target};
 use super::interface::Pantograph;
-use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, DriveForce, Joint, RigidBody};
+use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
 use crate::rail_vehicle::{CurveInertia, Load};
 use crate::{Base, Travel, Travelling, VehicleError};
 use builder::Builder;
 use control::Reading;
+use drive::Drive;
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Layout, Marker, Motion, PartVisitor};
@@ -37,7 +39,7 @@ pub struct Linkage {
     joints: Vec<Joint>,
     suspension: AxialSpring,
     uplift: DeadForce,
-    drive: Option<DriveForce>,
+    drive: Option<Drive>,
     /// Mean place of the strips.
     strip: BodyMarker,
     strips: Strips,
@@ -247,7 +249,7 @@ impl Pantograph for Linkage {
         visit("pantograph", &mut self.suspension);
         visit("pantograph", &mut self.uplift);
         if let Some(drive) = &mut self.drive {
-            visit("pantograph", drive);
+            visit("pantograph", drive.force());
         }
         for air in self.air.as_mut_slice() {
             visit("wind_pantograph", air);
@@ -378,15 +380,15 @@ impl Pantograph for Linkage {
         true
     }
 
-    fn drive_by(&mut self, _: Option<usize>, input: usize) -> bool {
-        self.drive = Some(DriveForce::new(self.uplift.marker, input));
-        true
+    fn drive_by(&mut self, actuator: &scene::Actuator, input: usize) -> Result<(), VehicleError> {
+        self.drive = Some(self.drive(actuator, input)?);
+        Ok(())
     }
 
     fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
-        let drive = self.drive.as_ref();
-        reading.driven = drive.map_or(0.0, |drive| drive.velocity(motion));
-        reading.driven_place = drive.map_or(0.0, |drive| drive.height(motion));
+        if let Some(drive) = &self.drive {
+            drive.read(motion, reading);
+        }
     }
 
     fn static_force(&self) -> f64 {

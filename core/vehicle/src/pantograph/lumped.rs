@@ -371,15 +371,15 @@ impl Pantograph for Lumped {
         true
     }
 
-    fn drive_by(&mut self, mass: Option<usize>, input: usize) -> bool {
+    fn drive_by(&mut self, actuator: &scene::Actuator, input: usize) -> Result<(), VehicleError> {
         let masses = &self.masses;
         let last = masses.masses.len() - 1;
         self.drive = Some(ChainDrive {
-            coordinate: masses.first + mass.map_or(last, |mass| mass - 1),
+            coordinate: masses.first + actuator.mass.map_or(last, |mass| mass - 1),
             input,
             foot: self.elements.last().and_then(|element| element.foot.clone()),
         });
-        true
+        Ok(())
     }
 
     fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {

@@ -441,16 +441,14 @@ impl Pantograph for ReducedLinkage {
         self.uplift_force
     }
 
-    fn drive_by(&mut self, _: Option<usize>, input: usize) -> bool {
-        let point = self.point_of(self.full.uplift_marker());
-        self.drive = Some(ReducedDrive { point, input });
-        true
+    fn drive_by(&mut self, actuator: &scene::Actuator, input: usize) -> Result<(), VehicleError> {
+        self.drive = Some(self.drive(actuator, input)?);
+        Ok(())
     }
 
     fn read(&self, motion: &Motion<'_>, reading: &mut Reading) {
         if let Some(drive) = &self.drive {
-            let frame = drive.point.frame(motion);
-            (reading.driven, reading.driven_place) = (frame.velocity.z, frame.position.z);
+            drive.read(motion, reading);
         }
     }
 

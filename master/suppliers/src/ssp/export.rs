@@ -14,7 +14,7 @@ use super::document::{
     ParameterSet, Source, System, Type, Value,
 };
 use super::{STRUCTURE_FILE, SspError, write};
-use component::exchange::{load, strip};
+use component::exchange::{instrument, load, strip};
 
 /// Note on the exchange for every tool.
 const EXCHANGE: &str = "The line hands over the force on the strip at the communication point (fx, fy, fz): of what a \
@@ -90,15 +90,6 @@ pub fn export(
         let path = path.to_owned();
         return Err(SspError::Shape { path, problem });
     }
-    if !scene.controllers.is_empty() {
-        let problem =
-            "controller: must be left out: a controller is asked at its samples, for which a system structure \
-                       has no word; master package writes the FMU of the pantograph, whose control.force is to be \
-                       connected by hand"
-                .to_owned();
-        let path = path.to_owned();
-        return Err(SspError::Shape { path, problem });
-    }
     let (mut entries, mut notes) = (BTreeMap::new(), Vec::new());
     let mut scene = scene.clone();
     let take = |name: &str, side: Option<&mut Supplied>, entries: &mut BTreeMap<String, Vec<u8>>| {
@@ -149,8 +140,19 @@ pub fn export(
         });
     }
 
-    let connections = connections(&line, &pantographs, &mut notes);
-    let sides: Vec<&Side> = std::iter::once(&line).chain(&pantographs).collect();
+    let mut controllers = Vec::new();
+    for (index, controller) in scene.controllers.iter_mut().enumerate() {
+        let name = numbered("Controller", index);
+        let model = take(&name, Some(&mut controller.side), &mut entries)?;
+        controllers.push((Side::controller(name, model, &controller.side), controller.pantograph));
+    }
+
+    let mut connections = connections(&line, &pantographs, &mut notes);
+    for (controller, pantograph) in &controllers {
+        connections.extend(commands(controller, &pantographs[*pantograph], &mut notes));
+    }
+    let controllers = controllers.iter().map(|(controller, _)| controller);
+    let sides: Vec<&Side> = std::iter::once(&line).chain(&pantographs).chain(controllers).collect();
     let mut units = BTreeMap::new();
     let components = sides
         .iter()
@@ -329,6 +331,21 @@ impl Side {
         }
     }
 
+    /// A controller FMU; `time` is left to the tool.
+    fn controller(name: String, model: ModelDescription, side: &Supplied) -> Self {
+        let taps = |map: &BTreeMap<String, scene::Connection>| {
+            map.iter().map(|(name, connection)| (name.clone(), tap(connection))).collect()
+        };
+        Self {
+            name,
+            description: model.description.clone().unwrap_or_default(),
+            inputs: taps(&side.inputs),
+            outputs: taps(&side.outputs),
+            values: side.parameters.clone(),
+            model,
+        }
+    }
+
     /// The component with its connectors: inputs that are connected, and outputs that are or that people look at.
     fn component(&self, connections: &[Connection], units: &mut BTreeMap<String, Unit>) -> Component {
         let ends = connections
@@ -437,23 +454,58 @@ fn bare(unit: &Unit) -> Unit {
     }
 }
 
+/// Name of component `index` (from 0) of its kind.
+fn numbered(kind: &str, index: usize) -> String {
+    if index == 0 { kind.to_owned() } else { format!("{kind}{}", index + 1) }
+}
+
+/// Connection of two ends.
+fn connection((from, to): ((&Side, &str), (&Side, &str)), map: Linear) -> Connection {
+    let end = |(side, variable): (&Side, &str)| End {
+        element: Some(side.name.clone()),
+        connector: variable.to_owned(),
+    };
+    Connection {
+        start: end(from),
+        end: end(to),
+        map,
+        // The map holds everything.
+        suppress_unit_conversion: map != Linear::IDENTITY,
+        line: 0,
+    }
+}
+
+/// Connections of a controller with the pantograph that it commands: readings of the instruments, and the command.
+fn commands(controller: &Side, pantograph: &Side, notes: &mut Vec<String>) -> Vec<Connection> {
+    let mut connections = Vec::new();
+    for (name, to) in &controller.inputs {
+        let Some(from) = super::super::quantity::instrument_of(name) else {
+            notes.push(format!(
+                "{}.{}: no signal of the system gives {name}, a plain tool leaves it at its start value",
+                controller.name, to.variable
+            ));
+            continue;
+        };
+        connections.push(connection(((pantograph, from), (controller, &to.variable)), to.map));
+    }
+    for from in controller.outputs.values() {
+        let ends = ((controller, from.variable.as_str()), (pantograph, instrument::COMMAND));
+        connections.push(connection(ends, from.map));
+    }
+    notes.push(format!(
+        "{}: a plain tool steps it with the others, so that its command waits for the next communication point, and \
+         there for the next sample of {}; communication steps well below the sample time keep the delay of the run",
+        controller.name, pantograph.name
+    ));
+    connections
+}
+
 /// Everything that can be connected between the line and each pantograph.
 fn connections(line: &Side, pantographs: &[Side], notes: &mut Vec<String>) -> Vec<Connection> {
     let mut connections = Vec::new();
     let mut connect = |from: (&Side, &Tap), to: (&Side, &Tap)| {
-        let map = from.1.map.then(to.1.map);
-        let end = |(side, tap): (&Side, &Tap)| End {
-            element: Some(side.name.clone()),
-            connector: tap.variable.clone(),
-        };
-        connections.push(Connection {
-            start: end(from),
-            end: end(to),
-            map,
-            // The map holds everything.
-            suppress_unit_conversion: map != Linear::IDENTITY,
-            line: 0,
-        });
+        let ends = ((from.0, from.1.variable.as_str()), (to.0, to.1.variable.as_str()));
+        connections.push(connection(ends, from.1.map.then(to.1.map)));
     };
     for (index, pantograph) in pantographs.iter().enumerate() {
         let i = index + 1;

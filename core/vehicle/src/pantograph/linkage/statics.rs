@@ -145,43 +145,61 @@ fn is_free_to_pitch(linkage: &mut Linkage, state: &State, g_q: &DMatrix<f64>, st
 /// Contact force and preload of the collector suspension under which the reference position is at rest.
 pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance, VehicleError> {
     let state = layout.state_at_rest();
-    let (n, m) = (state.q.len(), state.lambda.len());
     let Terms { force, g_q, .. } = terms(linkage, &state);
-    let mut preload = DVector::zeros(n);
+    let pitches = is_free_to_pitch(linkage, &state, &g_q, &along_suspension(linkage, &state));
+    linkage.strips.pitch = pitches;
+    let [preload, force] = balanced(linkage, layout, &force)?;
+    Ok(Balance {
+        preload,
+        force,
+        pitches,
+    })
+}
+
+/// Contact force that a load on the mechanism bears beyond the others while nothing moves, by virtual work: the load is
+/// given by its generalised forces in the reference position.
+pub(super) fn borne(linkage: &mut Linkage, layout: &Layout, load: &DVector<f64>) -> Result<f64, VehicleError> {
+    balanced(linkage, layout, load).map(|[_, force]| force)
+}
+
+/// `∂s/∂q` of the length of the collector suspension.
+fn along_suspension(linkage: &Linkage, state: &State) -> DVector<f64> {
+    let mut along = DVector::zeros(state.q.len());
     let mut unit = AxialSpring {
         stiffness: 0.0,
         damping: 0.0,
         preload: 1.0,
         ..linkage.suspension().clone()
     };
-    unit.add_force(&state.motion(&[]), preload.as_mut_slice());
-    let pitches = is_free_to_pitch(linkage, &state, &g_q, &preload);
-    linkage.strips.pitch = pitches;
-    let Terms { strip, .. } = terms(linkage, &state);
+    unit.add_force(&state.motion(&[]), along.as_mut_slice());
+    along
+}
+
+/// Force of the collector suspension and contact force that hold the mechanism in its reference position under `force`.
+fn balanced(linkage: &mut Linkage, layout: &Layout, force: &DVector<f64>) -> Result<[f64; 2], VehicleError> {
+    let state = layout.state_at_rest();
+    let (n, m) = (state.q.len(), state.lambda.len());
+    let Terms { strip, g_q, .. } = terms(linkage, &state);
     // Q + P s_q − f z_q − g_qᵀ λ = 0, unknown (λ, P, f).
     let contacts = strip.ncols();
     let mut matrix = DMatrix::zeros(n, m + 1 + contacts);
     matrix.columns_mut(0, m).copy_from(&g_q.transpose());
-    matrix.column_mut(m).copy_from(&-preload);
+    matrix.column_mut(m).copy_from(&-along_suspension(linkage, &state));
     matrix.columns_mut(m + 1, contacts).copy_from(&strip);
     let scale = force.amax();
     let unknown = matrix
         .clone()
         .svd(true, true)
-        .solve(&force, 1e-12)
+        .solve(force, 1e-12)
         .unwrap_or_else(|_| DVector::zeros(m + 1 + contacts));
-    let residual = &force - matrix * &unknown;
+    let residual = force - matrix * &unknown;
     if residual.amax() > 1e-6 * scale {
         return Err(VehicleError::NotBalanced {
             residual: residual.amax(),
             coordinate: layout.name(residual.iamax()),
         });
     }
-    Ok(Balance {
-        preload: unknown[m],
-        force: unknown[m + 1],
-        pitches,
-    })
+    Ok([unknown[m], unknown[m + 1]])
 }
 
 /// Newton's method from `start`.

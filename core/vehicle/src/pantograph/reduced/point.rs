@@ -29,11 +29,23 @@ pub(super) enum PointPath {
     StripBody(Arc<OneMotion>),
 }
 
+/// Height of a point, m, or turn of a body, rad, as a function of both coordinates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Way {
+    pub value: f64,
+    /// `∂/∂σ`, `∂/∂ζ`
+    pub by: [f64; 2],
+    /// `∂²/∂σ²`; the other second derivatives are 0.
+    pub bend: f64,
+}
+
 /// Position of the body: centre of mass in the plane and angle, with their derivatives by both coordinates.
 struct PointPosition {
     centre: Vector2<f64>,
     by_sigma: Vector2<f64>,
     by_zeta: Vector2<f64>,
+    /// `φ`, and the turn by it.
+    angle: f64,
     turn: Turn,
     /// `∂φ/∂σ`
     turning: f64,
@@ -53,6 +65,7 @@ impl ReducedPoint {
                     centre: Vector2::new(x[0], z[0]),
                     by_sigma: Vector2::new(x[1], z[1]),
                     by_zeta: Vector2::zeros(),
+                    angle: phi[0],
                     turn: Turn::by(phi[0]),
                     turning: phi[1],
                     bending: phi[2],
@@ -65,6 +78,7 @@ impl ReducedPoint {
                     centre: Vector2::new(place.x, place.zeta),
                     by_sigma: Vector2::new(place.x_sigma, 0.0),
                     by_zeta: Vector2::new(place.x_zeta, 1.0),
+                    angle: place.phi[0],
                     turn: place.turn,
                     turning: place.phi[1],
                     bending: place.phi[2],
@@ -74,11 +88,26 @@ impl ReducedPoint {
         }
     }
 
-    /// `∂²z/∂σ²`; the other second derivatives of the height are 0.
-    pub(super) fn height_curvature(&self, motion: &Motion<'_>) -> f64 {
+    /// Height.
+    pub(super) fn height(&self, motion: &Motion<'_>) -> Way {
         let place = self.place(motion);
         let arm = self.arm(&place);
-        place.rising + quarter(arm).y * place.bending - arm.y * place.turning * place.turning
+        let turned = quarter(arm).y;
+        Way {
+            value: place.centre.y + arm.y,
+            by: [place.by_sigma.y + turned * place.turning, place.by_zeta.y],
+            bend: place.rising + turned * place.bending - arm.y * place.turning * place.turning,
+        }
+    }
+
+    /// Turn of the body about the lateral axis.
+    pub(super) fn turn(&self, motion: &Motion<'_>) -> Way {
+        let place = self.place(motion);
+        Way {
+            value: place.angle,
+            by: [place.turning, 0.0],
+            bend: place.bending,
+        }
     }
 
     /// The arm in the plane, turned.

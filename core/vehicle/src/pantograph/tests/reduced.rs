@@ -1,4 +1,5 @@
 //! The linkage in two coordinates against the full mechanism of six bodies and eight joints.
+use super::four_bar::FourBar;
 use super::linkage::StripSpring;
 use super::thesis::thesis;
 use super::{AtRest, GRAVITY};
@@ -171,12 +172,27 @@ fn forces_have_their_tangent_and_potential() {
 /// State with the force of the drive as its only input.
 const DRIVE: [f64; 1] = [70.0];
 
+/// Joints of the thesis' mechanism that raise the strip, and the raising force's point.
+fn drives() -> [scene::Actuator; 4] {
+    let on = |joint: Option<&str>| scene::Actuator {
+        joint: joint.map(str::to_owned),
+        ..scene::Actuator::default()
+    };
+    [
+        on(None),
+        on(Some("base-lower_arm")),
+        on(Some("lower_arm-upper_arm")),
+        on(Some("upper_arm-plunger")),
+    ]
+}
+
 #[test]
-fn the_drive_acts_on_the_point_of_the_full_mechanism_and_has_its_tangent() {
-    for entry in both() {
+fn the_drive_acts_as_on_the_full_mechanism_and_has_its_tangent() {
+    for (entry, actuator) in both().iter().flat_map(|entry| drives().map(|actuator| (entry.clone(), actuator))) {
         let (mut reduced, layout) = reduced(&entry);
         let mut full = full(&entry);
-        assert!(reduced.drive_by(None, 0) && full.drive_by(None, 0));
+        reduced.drive_by(&actuator, 0).unwrap();
+        full.drive_by(&actuator, 0).unwrap();
         for (q, v) in [([0.3, 0.06], [2.0, -0.4]), ([-0.8, -0.2], [-1.0, 1.5])] {
             let at = state(&layout, q, v);
             let same = in_full(&reduced, &layout, &at);
@@ -201,6 +217,65 @@ fn the_drive_acts_on_the_point_of_the_full_mechanism_and_has_its_tangent() {
             });
             assert_eq!(drives, 1);
         }
+    }
+}
+
+/// Generalised force of a unit of the drive on the one motion.
+fn along_motion(entry: &scene::Linkage, actuator: &scene::Actuator, q: [f64; 2]) -> f64 {
+    let (mut linkage, layout) = reduced(entry);
+    let at = state(&layout, q, [0.0; 2]);
+    let without = crate::check::force(&mut linkage, &at.motion(&[]));
+    linkage.drive_by(actuator, 0).unwrap();
+    let mut sum = DVector::zeros(2);
+    linkage.parts(&mut |_, force| force.add_force(&at.motion(&[1.0]), sum.as_mut_slice()));
+    (sum - without)[0]
+}
+
+#[test]
+fn a_moment_on_a_joint_does_what_a_vertical_force_does_by_its_transmission() {
+    let entry = thesis();
+    let [force, base, knee, _] = drives();
+    for q in [[0.0, 0.0], [0.3, 0.06], [-0.8, -0.2]] {
+        let (linkage, layout) = reduced(&entry);
+        let same = in_full(&linkage, &layout, &state(&layout, q, [0.0; 2]));
+        let motion = same.motion(&[]);
+        let full = full(&entry);
+        // On the joint with the base: the lever of the raising force. The base is at x = 0.
+        let lever = full.uplift_marker().frame(&motion).position.x.abs();
+        let by_force = along_motion(&entry, &force, q);
+        let by_base = along_motion(&entry, &base, q);
+        // Difference of forces of a kilonewton, and curves to 1e-12 m.
+        assert!((by_force / by_base / lever - 1.0).abs() < 1e-8, "{by_force} {by_base} {lever}");
+        // Between the arms: plane trigonometry of the four-bar, by differences.
+        let arm = full.bodies()[0].pose.orientation;
+        let turned = rotation::log(&(same.rotation[arm] * full.orientation(0).inverse()));
+        let theta = -turned.y;
+        let [at_knee, raised] = [
+            FourBar::slope(theta, |bar| bar.angles[1] - bar.angles[0]),
+            FourBar::slope(theta, |bar| bar.uplift[1]),
+        ];
+        let found = along_motion(&entry, &knee, q) / by_force;
+        let expected = (at_knee / raised).abs();
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    }
+}
+
+#[test]
+fn a_moment_on_a_joint_bears_the_contact_force_of_virtual_work() {
+    let full = full(&thesis());
+    let rise = FourBar::slope(0.0, |bar| bar.points[4][1]);
+    for (number, turn) in [
+        (0, 1.0),
+        (1, FourBar::slope(0.0, |bar| bar.angles[1] - bar.angles[0])),
+        (2, FourBar::slope(0.0, |bar| bar.angles[4] - bar.angles[1])),
+    ] {
+        // The axes of the thesis point to the left, about which a turn in the x–z plane counts the other way round.
+        let (found, expected) = (full.borne_by(number).unwrap(), -turn / rise);
+        assert!((found / expected - 1.0).abs() < 1e-6, "{number}: {found} {expected}");
+    }
+    for name in ["base-upper_arm", "base-lower_link"] {
+        let error = full.moment_on(name, 0).unwrap_err();
+        assert!(matches!(error, VehicleError::UnknownJoint { .. }), "{name}: {error}");
     }
 }
 

@@ -359,8 +359,9 @@ pub(super) fn control(curves: &[Curve]) -> String {
     }
     figure(
         traces,
-        layout(axis("time [s]").zero_line(false), axis("force of the drive [N]")),
+        layout(axis("time [s]").zero_line(false), axis("drive [N, on a joint N m]")),
         ("plot-control", 320),
-        "Force of the drive that the controller commands, positive upward, beside the constant raising force.",
+        "Force of the drive that the controller commands, positive upward, beside the constant raising force; its moment \
+         where it turns a joint.",
     )
 }
