@@ -204,7 +204,9 @@ fn a_system_with_a_controller_runs_as_the_scene_it_was_made_of() {
     let fmu = Controller::new().write(program.folder(), "pid");
     let scene = program.scene("commanded", &written(&commanded(&fmu, 0.005, "")));
     let here = program.run(&scene, &[]).done();
-    let told = program.call(&["export", scene.to_str().unwrap(), "--out", "systems"]).done();
+    let told = program
+        .call(&["export", scene.to_str().unwrap(), "--out", "systems"])
+        .done();
     assert!(told.stderr.contains("communication point"), "{}", told.stderr);
     let system = program.folder().join("systems").join("commanded.ssp");
     // The controller is in the archive.

@@ -145,8 +145,8 @@ fn the_joints_of_a_linkage_take_and_give_no_energy() {
 #[test]
 fn a_driven_joint_brings_the_power_that_the_balance_has() {
     let scene = include_str!("../scenes/thesis-pantograph.toml");
-    let control = "pantograph[1].control={law=\"skyhook\", sample_time=0.005, damping=400, actuator={joint=\"base-lower_arm\", \
-                   lag=0.01}}";
+    let control = "pantograph[1].control={law=\"skyhook\", sample_time=0.005, damping=400, \
+                   actuator={joint=\"base-lower_arm\", lag=0.01}}";
     // All bodies and joints, and the one motion.
     for reduce in ["model.reduce=[\"planar\"]", "model.reduce=[\"planar\", \"linkage\"]"] {
         let keys = [&SECOND_ON_THESIS_LINE[..], &[reduce, control]].concat();

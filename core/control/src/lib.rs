@@ -28,7 +28,7 @@ mod stability;
 pub use actuator::{Drive, DriveState};
 pub use advance::{Channel, Ended, Moment, advance};
 pub use controller::{Asked, Controller, ControllerState, Reading, Rule};
-pub use linear::{LinearParts, LinearPantograph};
+pub use linear::{LinearPantograph, LinearParts};
 pub use riccati::NoGains;
 pub use samples::Samples;
 pub use stability::{FEWEST_SAMPLES, SampledLoop};

@@ -8,7 +8,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::controller::Reading;
 use crate::law::{KnownDrive, Law, Memory};
-use crate::linear::{Delayed, LinearParts, LinearPantograph};
+use crate::linear::{Delayed, LinearPantograph, LinearParts};
 use crate::riccati::NoGains;
 
 /// Longest delay that is searched, in samples.

@@ -130,7 +130,11 @@ impl ControlLaw {
         match kind {
             Kind::Pid => {
                 let mut gain = |name, was, unit| keys.number(name, was, Number::not_negative(unit).default(0.0));
-                let [kp, ki, kd] = if on_joint { ["m", "m/s", "m s"] } else { ["–", "1/s", "s"] };
+                let [kp, ki, kd] = if on_joint {
+                    ["m", "m/s", "m s"]
+                } else {
+                    ["–", "1/s", "s"]
+                };
                 Self::Pid {
                     kp: gain("kp", of(|law| law.pid(0)), kp),
                     ki: gain("ki", of(|law| law.pid(1)), ki),
@@ -294,7 +298,11 @@ impl Entry for Actuator {
             was.map(|actuator| actuator.joint.as_deref()),
             "the name of a joint, as \"base-lower_arm\"",
         );
-        let [force, rate] = if joint.is_some() { ["N m", "N m/s"] } else { ["N", "N/s"] };
+        let [force, rate] = if joint.is_some() {
+            ["N m", "N m/s"]
+        } else {
+            ["N", "N/s"]
+        };
         let mut time = |name, was| keys.number(name, was, Number::not_negative("s").default(0.0));
         let lag = time("lag", was.map(|actuator| actuator.lag));
         let delay = time("delay", was.map(|actuator| actuator.delay));
@@ -431,7 +439,10 @@ impl Control {
         if let Some(joint) = &self.actuator.joint
             && linkage.revolute(joint).is_none()
         {
-            let names: Vec<String> = linkage.revolutes().map(|(joint, _)| format!("{:?}", joint.name())).collect();
+            let names: Vec<String> = linkage
+                .revolutes()
+                .map(|(joint, _)| format!("{:?}", joint.name()))
+                .collect();
             let there = linkage.joints.iter().any(|other| other.name() == *joint);
             let problem = if there { "no revolute joint" } else { "no such joint" };
             let expected = format!("{problem}: must be one of {}", names.join(", "));

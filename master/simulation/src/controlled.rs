@@ -162,9 +162,9 @@ fn static_stiffnesses(scene: &Scene, statics: Option<&StaticLine>, span: usize) 
 fn not_foreseen(index: usize, number: usize, control: &Control) -> String {
     format!(
         "pantograph[{0}].control: linear theory does not know the rule of controller[{1}], so that the delay that its \
-         loop bears is not told here: master check tries it where the run has {FEWEST_SAMPLES} samples or more, on a lumped \
-         pantograph or a linkage of one motion, and runs with a longer pantograph[{0}].control.sensors.delay find where the force of the \
-         drive runs away; it has {2:.1} ms",
+         loop bears is not told here: master check tries it where the run has {FEWEST_SAMPLES} samples or more, on a \
+         lumped pantograph or a linkage of one motion, and runs with a longer pantograph[{0}].control.sensors.delay \
+         find where the force of the drive runs away; it has {2:.1} ms",
         index + 1,
         number + 1,
         1e3 * control.delay()
@@ -299,7 +299,8 @@ pub(crate) fn remarks(scene: &Scene, evaluation: &Evaluation, record: &Record) -
             String::new()
         };
         Some(format!(
-            "pantograph {}: force of the controlled drive {rms:.1} {unit} rms, at most {largest:.1} {unit}{bound}{away}",
+            "pantograph {}: force of the controlled drive {rms:.1} {unit} rms, at most {largest:.1} \
+             {unit}{bound}{away}",
             index + 1
         ))
     });

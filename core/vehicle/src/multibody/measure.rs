@@ -147,7 +147,13 @@ impl PairView {
     /// entry of [`PairView::indices`], zero behind.
     pub(crate) fn turning(&self) -> SVector<f64, WIDTH> {
         let axis = Self::axis(&self.first, 2);
-        SVector::from_fn(|k, _| if k < self.count { self.turn_of(k) * axis.dot(&self.column(k).0) } else { 0.0 })
+        SVector::from_fn(|k, _| {
+            if k < self.count {
+                self.turn_of(k) * axis.dot(&self.column(k).0)
+            } else {
+                0.0
+            }
+        })
     }
 
     /// Derivative of entry k (row) of [`PairView::turning`] in the direction of velocity l (column).
@@ -158,7 +164,11 @@ impl PairView {
                 return 0.0;
             }
             let (c_k, c_l) = (self.column(k).0, self.column(l).0);
-            let axis_l = if self.is_first(l) { c_l.cross(&axis) } else { Vector3::zeros() };
+            let axis_l = if self.is_first(l) {
+                c_l.cross(&axis)
+            } else {
+                Vector3::zeros()
+            };
             let (c_kl, _) = self.column_change(k, l);
             self.turn_of(k) * (axis_l.dot(&c_k) + axis.dot(&c_kl))
         })

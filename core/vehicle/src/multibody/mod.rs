@@ -7,7 +7,8 @@
 //! | `measure` | scalar functions of two anchors, with derivatives |
 //! | `joint` | ideal joints |
 //! | `axial_spring`, `bushing`, `characteristic` | springs and dampers |
-//! | `dead_force`, `applied_force`, `joint_moment` | constant forces, the contact force and the moment of a drive as inputs |
+//! | `dead_force`, `applied_force` | constant forces, force of a drive and contact force as inputs |
+//! | `joint_moment` | moment of a drive as an input |
 mod anchor;
 mod applied_force;
 mod axial_spring;

@@ -104,8 +104,8 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
         false
     }
 
-    /// Lets an input drive the pantograph, N: on a mass of a chain, or where the raising force of a linkage acts; N·m on
-    /// a joint of a linkage.
+    /// Lets an input drive the pantograph: a force on a mass of a chain, or where the raising force of a linkage acts,
+    /// N, or a moment on a joint of a linkage, N·m.
     ///
     /// # Errors
     /// [`VehicleError::NoDrive`] for a model without such a point, [`VehicleError::UnknownJoint`],

@@ -334,7 +334,9 @@ impl Side {
     /// A controller FMU; `time` is left to the tool.
     fn controller(name: String, model: ModelDescription, side: &Supplied) -> Self {
         let taps = |map: &BTreeMap<String, scene::Connection>| {
-            map.iter().map(|(name, connection)| (name.clone(), tap(connection))).collect()
+            map.iter()
+                .map(|(name, connection)| (name.clone(), tap(connection)))
+                .collect()
         };
         Self {
             name,
@@ -456,7 +458,11 @@ fn bare(unit: &Unit) -> Unit {
 
 /// Name of component `index` (from 0) of its kind.
 fn numbered(kind: &str, index: usize) -> String {
-    if index == 0 { kind.to_owned() } else { format!("{kind}{}", index + 1) }
+    if index == 0 {
+        kind.to_owned()
+    } else {
+        format!("{kind}{}", index + 1)
+    }
 }
 
 /// Connection of two ends.

@@ -58,8 +58,8 @@ impl ReducedDrive {
         match &self.driven {
             Driven::Point(point) => point.height(motion),
             Driven::Joint(ends, sense) => {
-                let [first, second] = [&ends[0], &ends[1]]
-                    .map(|end| end.as_ref().map_or_else(Way::default, |point| point.turn(motion)));
+                let [first, second] =
+                    [&ends[0], &ends[1]].map(|end| end.as_ref().map_or_else(Way::default, |point| point.turn(motion)));
                 let turned = |first: f64, second: f64| sense * (second - first);
                 Way {
                     value: turned(first.value, second.value),

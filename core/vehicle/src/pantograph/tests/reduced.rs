@@ -188,7 +188,10 @@ fn drives() -> [scene::Actuator; 4] {
 
 #[test]
 fn the_drive_acts_as_on_the_full_mechanism_and_has_its_tangent() {
-    for (entry, actuator) in both().iter().flat_map(|entry| drives().map(|actuator| (entry.clone(), actuator))) {
+    for (entry, actuator) in both()
+        .iter()
+        .flat_map(|entry| drives().map(|actuator| (entry.clone(), actuator)))
+    {
         let (mut reduced, layout) = reduced(&entry);
         let mut full = full(&entry);
         reduced.drive_by(&actuator, 0).unwrap();
@@ -245,7 +248,10 @@ fn a_moment_on_a_joint_does_what_a_vertical_force_does_by_its_transmission() {
         let by_force = along_motion(&entry, &force, q);
         let by_base = along_motion(&entry, &base, q);
         // Difference of forces of a kilonewton, and curves to 1e-12 m.
-        assert!((by_force / by_base / lever - 1.0).abs() < 1e-8, "{by_force} {by_base} {lever}");
+        assert!(
+            (by_force / by_base / lever - 1.0).abs() < 1e-8,
+            "{by_force} {by_base} {lever}"
+        );
         // Between the arms: plane trigonometry of the four-bar, by differences.
         let arm = full.bodies()[0].pose.orientation;
         let turned = rotation::log(&(same.rotation[arm] * full.orientation(0).inverse()));

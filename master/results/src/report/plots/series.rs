@@ -361,7 +361,7 @@ pub(super) fn control(curves: &[Curve]) -> String {
         traces,
         layout(axis("time [s]").zero_line(false), axis("drive [N, on a joint N m]")),
         ("plot-control", 320),
-        "Force of the drive that the controller commands, positive upward, beside the constant raising force; its moment \
-         where it turns a joint.",
+        "Force of the drive that the controller commands, positive upward, beside the constant raising force; its \
+         moment where it turns a joint.",
     )
 }
