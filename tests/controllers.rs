@@ -212,9 +212,9 @@ fn a_system_with_a_controller_runs_as_the_scene_it_was_made_of() {
     // The controller is in the archive.
     std::fs::remove_file(&fmu).unwrap();
     let again = program.run(&system, &[]).done();
-    for column in ["pantograph[1].force", "pantograph[1].control.force"] {
-        assert_eq!(again.series(column), here.series(column), "{column}");
-    }
+    assert_eq!(again.force(), here.force());
+    let drive = "pantograph[1].control.force";
+    assert_eq!(again.series(drive), here.series(drive));
     let limits = fmi2::archive::Limits::default();
     let folder = fmi2::archive::extract(&system, "SystemStructure.ssd", &limits).unwrap();
     let text = std::fs::read_to_string(folder.path().join("SystemStructure.ssd")).unwrap();
