@@ -188,8 +188,8 @@ fn the_delay_that_makes_the_loop_of_a_linkage_unstable_is_that_of_its_linear_mot
     let sample = 0.02;
     // Joints and links of the mechanism have no dampers: a proportional controller alone is unstable.
     for law in [
-        "law=\"pid\", kp=2, kd=0.4, derivative_lag=0.05, sample_time=0.02, actuator={ delay=D }",
-        "law=\"pid\", kp=2, kd=0.4, derivative_lag=0.05, sample_time=0.02, \
+        "law=\"pid\", kp=2.4, kd=0.48, derivative_lag=0.05, sample_time=0.02, actuator={ delay=D }",
+        "law=\"pid\", kp=2.4, kd=0.48, derivative_lag=0.05, sample_time=0.02, \
          actuator={ joint=\"base-lower_arm\", delay=D }",
         "law=\"skyhook\", damping=3000, sample_time=0.02, actuator={ joint=\"lower_arm-upper_arm\", delay=D }",
     ] {

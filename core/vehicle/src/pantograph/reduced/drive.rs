@@ -20,7 +20,7 @@ pub(super) struct ReducedDrive {
     input: usize,
 }
 
-/// What is driven.
+/// Driven point or joint.
 #[derive(Clone, Debug)]
 enum Driven {
     /// Height of a point.
