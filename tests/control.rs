@@ -370,3 +370,37 @@ fn control_makes_the_force_on_the_thesis_line_steadier() {
     assert!(with < 0.92 * without, "{with} {without}");
     assert!(mean_with <= mean, "{mean_with} {mean}");
 }
+
+#[test]
+fn signals_of_a_drive_on_a_joint_have_the_units_of_a_moment() {
+    let line = include_str!("../scenes/thesis-pantograph.toml");
+    let control = "pantograph[1].control={ law=\"given\", sample_time=0.005, actuator={ joint=\"base-lower_arm\" } }";
+    let scene = scene_with(line, &[control]);
+    for (name, unit) in [
+        ("control.force", "N.m"),
+        ("strip[1].control.force", "N.m"),
+        ("control.measured.force", "N"),
+        ("control.measured.velocity", "rad/s"),
+        ("control.measured.position", "rad"),
+        ("control.measured.head_velocity", "m/s"),
+    ] {
+        let signal = Subsystem::signals(&scene)
+            .into_iter()
+            .find(|signal| signal.name == name);
+        assert_eq!(signal.unwrap().kind, component::SignalKind::Real(unit), "{name}");
+    }
+    // Positive moments turn the joint to the side of positive readings, where the strip is higher.
+    let after = |moment: f64| {
+        let mut side = Subsystem::build(&scene).unwrap();
+        let signals = Subsystem::signals(&scene);
+        let place = |name: &str| signals.iter().position(|signal| signal.name == name).unwrap();
+        side.set_input(place("control.force"), moment);
+        for step in 0..20 {
+            side.do_step(5e-3 * f64::from(step), 5e-3).unwrap();
+        }
+        assert_eq!(side.output(place("strip[1].control.force")), moment);
+        ["control.measured.position", "strip[1].z"].map(|name| side.output(place(name)))
+    };
+    let [up, down] = [after(40.0), after(-40.0)];
+    assert!(up[0] > down[0] && up[1] > down[1], "{up:?} {down:?}");
+}
