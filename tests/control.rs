@@ -250,6 +250,24 @@ fn co_simulation_controls_as_one_system_does() {
 }
 
 #[test]
+fn co_simulation_drives_a_joint_as_one_system_does() {
+    let line = include_str!("../scenes/thesis-pantograph.toml");
+    let control = "pantograph[1].control={ law=\"skyhook\", sample_time=0.005, damping=700, \
+                   actuator={ joint=\"base-lower_arm\", lag=0.01, limit=80 }, sensors={ delay=0.001 } }";
+    let keys = [
+        "catenary.spans=4",
+        "run.duration=2",
+        "run.evaluate={time=[0.4,1.9]}",
+        control,
+    ];
+    let [one, coupled] = [Mode::Monolithic, Mode::Inprocess].map(|mode| run(scene_with(line, &keys), mode, "joint"));
+    let moment = one.record.pantographs[0].control.as_ref().unwrap();
+    assert!(moment.iter().any(|moment| moment.abs() > 5.0), "the drive acts");
+    let difference = (coupled.sigma() / one.sigma() - 1.0).abs();
+    assert!(difference < 0.005, "{difference}");
+}
+
+#[test]
 fn a_controlled_pantograph_goes_back_to_a_kept_state_bit_for_bit() {
     let scene = controlled(
         "{ law=\"pid\", sample_time=0.003, kp=0.7, ki=1, kd=0.002, actuator={ lag=0.01, delay=0.002 }, \

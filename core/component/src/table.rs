@@ -202,7 +202,8 @@ pub fn positions<C>(
     let own: Vec<usize> = declared
         .iter()
         .map(|declared| {
-            let found = entries.iter().position(|entry| entry.declared == *declared);
+            // Units may be others: a drive on a joint has those of a moment.
+            let found = entries.iter().position(|entry| entry.declared.name == declared.name);
             found.unwrap_or_else(|| panic!("no {name}[].{} in the table", declared.name))
         })
         .collect();
