@@ -30,6 +30,7 @@
 //! | `integrate` | equilibrium, and motion in time |
 //! | `linear` | linear systems of Newton's method |
 //! | `modal` | motion in modes |
+//! | `lockstep` | questions of simulations that go on in lockstep |
 //! | `simd` | numbers of several owners side by side in vector registers |
 //! | `hermite` | a cubic between two samples with slopes |
 //! | `resting_spline` | smooth curves through samples |
@@ -57,6 +58,7 @@ mod integrate;
 mod layout;
 mod linear;
 mod linear_force;
+pub mod lockstep;
 mod marker;
 pub mod modal;
 mod monotone_cubic;

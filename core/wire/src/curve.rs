@@ -1,4 +1,5 @@
 //! A wire as contact sees it.
+use dynamics::Frame;
 use nalgebra::Vector3;
 
 /// Point of a curve with its derivatives and velocity.
@@ -132,9 +133,10 @@ pub trait WireCurve: Send + Sync {
         Compliance::default()
     }
 
-    /// Takes in where a strip will be at the end of a step that begins, m; none beyond the ends of the curve.
-    fn expect(&self, s: Option<f64>) {
-        let _ = s;
+    /// Takes in where a strip will be at the end of a step that begins, with the parameter of the closest point, m; none
+    /// beyond the ends of the curve.
+    fn expect(&self, strip: Option<(&Frame, f64)>) {
+        let _ = strip;
     }
 
     /// Correction of forces that move along the curve; none without corrected inertia.

@@ -339,7 +339,8 @@ impl StepHistory for ContactPair {
         self.step = UnilateralStep::new(self.reached, 0.5 * h);
         let frame = self.strip.frame(motion);
         let found = self.state_under(&frame, motion);
-        self.curve.expect(found.as_ref().map(|contact| contact.geometry.s));
+        self.curve
+            .expect(found.as_ref().map(|contact| (&frame, contact.geometry.s)));
         if let Some(contact) = found {
             self.s = contact.geometry.s;
             self.share = contact.share();

@@ -2,7 +2,7 @@
 //!
 //! Every vector is a multiple of `LANES` long, and sums run in that many parts whatever the registers: all machines
 //! find the same bits.
-use super::step::StepFactors;
+use super::step::Factors;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Numbers that are summed side by side.
@@ -31,33 +31,70 @@ pub fn dot(arch: Arch, a: &[f32], b: &[f64]) -> f64 {
     arch.dispatch(Dot(a, b))
 }
 
+/// Parts of a sum in single precision.
+pub type Parts = [f32; LANES];
+
+/// The sum.
+#[must_use]
+#[inline]
+pub fn sum(parts: &Parts) -> f64 {
+    parts.iter().map(|part| f64::from(*part)).sum()
+}
+
 /// `Σ a b` for each `b`, in single precision.
+#[must_use]
 pub fn dots<const N: usize>(arch: Arch, a: &[f32], b: [&[f32]; N]) -> [f64; N] {
-    struct Dots<'a, const N: usize>(&'a [f32], [&'a [f32]; N]);
-    impl<const N: usize> WithSimd for Dots<'_, N> {
-        type Output = [f64; N];
+    let mut parts = [[0.0; LANES]; N];
+    add_dots(arch, [a], b, [&mut parts]);
+    parts.map(|parts| sum(&parts))
+}
+
+/// Adds `a b` of some modes to parts of `Σ a b`, for each row `a` and each `b`.
+pub fn add_dots<const R: usize, const N: usize>(
+    arch: Arch,
+    rows: [&[f32]; R],
+    b: [&[f32]; N],
+    parts: [&mut [Parts; N]; R],
+) {
+    struct Dots<'a, const R: usize, const N: usize>([&'a [f32]; R], [&'a [f32]; N], [&'a mut [Parts; N]; R]);
+    impl<const R: usize, const N: usize> WithSimd for Dots<'_, R, N> {
+        type Output = ();
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> [f64; N] {
-            let registers = LANES / S::F32_LANES;
-            let mut sums = [[simd.splat_f32s(0.0); LANES]; N];
-            let (a, _) = S::as_simd_f32s(self.0);
-            let b = self.1.map(|b| S::as_simd_f32s(b).0);
-            for (chunk, a) in a.chunks_exact(registers).enumerate() {
-                let at = chunk * registers;
-                let b = b.map(|b| &b[at..at + registers]);
-                for (sums, b) in sums.iter_mut().zip(b) {
-                    for k in 0..registers {
-                        sums[k] = simd.add_f32s(sums[k], simd.mul_f32s(a[k], b[k]));
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(rows, b, parts) = self;
+            // Registers of the parts are taken in pairs, which the largest processors hold at once.
+            let every = LANES / S::F32_LANES / 2;
+            let len = S::as_simd_f32s(rows[0]).0.len() / 2;
+            let rows = rows.map(|row| &S::as_simd_f32s(row).0.as_chunks::<2>().0[..len]);
+            let b = b.map(|b| &S::as_simd_f32s(b).0.as_chunks::<2>().0[..len]);
+            for first in 0..every {
+                let mut sums = [[[simd.splat_f32s(0.0); 2]; N]; R];
+                for r in 0..R {
+                    for n in 0..N {
+                        sums[r][n] = S::as_simd_f32s(&parts[r][n]).0.as_chunks::<2>().0[first];
+                    }
+                }
+                let mut at = first;
+                while at < len {
+                    for n in 0..N {
+                        let [low, high] = b[n][at];
+                        for r in 0..R {
+                            let ([of_low, of_high], row) = (&mut sums[r][n], rows[r][at]);
+                            *of_low = simd.add_f32s(*of_low, simd.mul_f32s(row[0], low));
+                            *of_high = simd.add_f32s(*of_high, simd.mul_f32s(row[1], high));
+                        }
+                    }
+                    at += every;
+                }
+                for r in 0..R {
+                    for n in 0..N {
+                        S::as_mut_simd_f32s(&mut parts[r][n]).0.as_chunks_mut::<2>().0[first] = sums[r][n];
                     }
                 }
             }
-            sums.map(|sums| {
-                let lanes: &[f32] = pulp::bytemuck::cast_slice(&sums[..registers]);
-                lanes.iter().map(|lane| f64::from(*lane)).sum()
-            })
         }
     }
-    arch.dispatch(Dots(a, b))
+    arch.dispatch(Dots(rows, b, parts));
 }
 
 /// Products of all entries.
@@ -137,8 +174,8 @@ pub fn shape(arch: Arch, rows: &[([f32; 2], &[f32])], at: &mut [f32], slope: &mu
 }
 
 /// Modal motion `q`, `v` under the force `r`, moved on by one step with the force `known` at its end.
-pub fn free(arch: Arch, factors: &StepFactors, motion: [&[f32]; 3], known: &[f32], ends: [&mut [f32]; 2]) {
-    struct Free<'a>(&'a StepFactors, [&'a [f32]; 4], [&'a mut [f32]; 2]);
+pub fn free(arch: Arch, factors: Factors<'_>, motion: [&[f32]; 3], known: &[f32], ends: [&mut [f32]; 2]) {
+    struct Free<'a>(Factors<'a>, [&'a [f32]; 4], [&'a mut [f32]; 2]);
     impl WithSimd for Free<'_> {
         type Output = ();
         #[inline(always)]
@@ -146,8 +183,8 @@ pub fn free(arch: Arch, factors: &StepFactors, motion: [&[f32]; 3], known: &[f32
             let f = self.0;
             let n = f.qq.len();
             let [q, v, r, known] = self.1.map(|values| &values[..n]);
-            let [qq, qv, q0, q1] = [&f.qq, &f.qv, &f.q0, &f.q1].map(|values| &values[..n]);
-            let [vq, vv, v0, v1] = [&f.vq, &f.vv, &f.v0, &f.v1].map(|values| &values[..n]);
+            let [qq, qv, q0, q1] = [f.qq, f.qv, f.q0, f.q1].map(|values| &values[..n]);
+            let [vq, vv, v0, v1] = [f.vq, f.vv, f.v0, f.v1].map(|values| &values[..n]);
             let [q_end, v_end] = self.2.map(|values| &mut values[..n]);
             for k in 0..n {
                 q_end[k] = q[k] + ((qq[k] * q[k] + qv[k] * v[k]) + (q0[k] * r[k] + q1[k] * known[k]));
@@ -168,42 +205,38 @@ pub struct Passing<'a> {
     pub shapes: [&'a [f32]; 4],
     /// `v/h` and `1/h²`.
     pub rates: [f32; 2],
-    /// `F₀`, N.
-    pub force: f32,
 }
 
-/// Motion at the end of a step by a unit force there at a point that moves: `q` and `v` of `by_force`; what the force
-/// at its begin adds by the move joins `free`.
-pub fn pass(arch: Arch, factors: &StepFactors, point: Passing<'_>, by_force: [&mut [f32]; 2], free: [&mut [f32]; 2]) {
-    struct Pass<'a>(&'a StepFactors, Passing<'a>, [&'a mut [f32]; 2], [&'a mut [f32]; 2]);
+/// Motion `q` and `v` at the end of a step by a unit force there at a point that moves, and the bend `c₀` of the modal
+/// force that a unit force at the begin makes by the move, for [`add_bend`].
+pub fn pass(arch: Arch, factors: Factors<'_>, point: Passing<'_>, by_force: [&mut [f32]; 2], bend: &mut [f32]) {
+    struct Pass<'a>(Factors<'a>, Passing<'a>, [&'a mut [f32]; 2], &'a mut [f32]);
     impl WithSimd for Pass<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(f, point, by_force, free) = self;
+            let Self(f, point, by_force, bend) = self;
             let n = f.q1.len();
             let [before, slope_before, now, slope_now] = point.shapes.map(|values| &values[..n]);
-            let [q1, v1, qb, vb] = [&f.q1, &f.v1, &f.qb, &f.vb].map(|values| &values[..n]);
-            let ([q, v], [q_free, v_free]) = (by_force.map(|values| &mut values[..n]), free.map(|v| &mut v[..n]));
+            let [q1, v1, qb, vb] = [f.q1, f.v1, f.qb, f.vb].map(|values| &values[..n]);
+            let ([q, v], bend) = (by_force.map(|values| &mut values[..n]), &mut bend[..n]);
             let [along, change] = point.rates;
             for k in 0..n {
                 let difference = (now[k] - before[k]) * change;
                 let there = slope_now[k] * along + difference;
-                let here = (slope_before[k] * along + difference) * point.force;
                 q[k] = q1[k] * now[k] - qb[k] * there;
                 v[k] = v1[k] * now[k] - vb[k] * there;
-                q_free[k] += qb[k] * here;
-                v_free[k] += vb[k] * here;
+                bend[k] = slope_before[k] * along + difference;
             }
         }
     }
-    arch.dispatch(Pass(factors, point, by_force, free));
+    arch.dispatch(Pass(factors, point, by_force, bend));
 }
 
 /// Motion at the end of a step, from that under the force `known` there and the force `r` besides, which becomes the
 /// sum of both.
-pub fn finish(arch: Arch, factors: &StepFactors, [known, q_free, v_free]: [&[f32]; 3], [r, q, v]: [&mut [f32]; 3]) {
-    struct Finish<'a>(&'a StepFactors, [&'a [f32]; 3], [&'a mut [f32]; 3]);
+pub fn finish(arch: Arch, factors: Factors<'_>, [known, q_free, v_free]: [&[f32]; 3], [r, q, v]: [&mut [f32]; 3]) {
+    struct Finish<'a>(Factors<'a>, [&'a [f32]; 3], [&'a mut [f32]; 3]);
     impl WithSimd for Finish<'_> {
         type Output = ();
         #[inline(always)]
@@ -242,27 +275,29 @@ pub fn add_answer(arch: Arch, force: f32, answer: [&[f32]; 3], ends: [&mut [f32]
     arch.dispatch(AddAnswer(force, answer, ends));
 }
 
-/// Adds what modal forces with the second derivative `−bend` change in a step: `q += q_b bend`, `v += v_b bend`.
-pub fn add_bend(arch: Arch, factors: &StepFactors, bend: &[f32], ends: [&mut [f32]; 2]) {
-    struct AddBend<'a>(&'a StepFactors, &'a [f32], [&'a mut [f32]; 2]);
+/// Adds what modal forces with the second derivative `−w bend` change in a step: `q += q_b w bend`, `v += v_b w bend`.
+pub fn add_bend(arch: Arch, factors: Factors<'_>, (w, bend): (f32, &[f32]), ends: [&mut [f32]; 2]) {
+    struct AddBend<'a>(Factors<'a>, f32, &'a [f32], [&'a mut [f32]; 2]);
     impl WithSimd for AddBend<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let n = self.1.len();
-            let (qb, vb, bend) = (&self.0.qb[..n], &self.0.vb[..n], self.1);
-            let [q, v] = self.2.map(|values| &mut values[..n]);
+            let n = self.2.len();
+            let (qb, vb, w, bend) = (&self.0.qb[..n], &self.0.vb[..n], self.1, self.2);
+            let [q, v] = self.3.map(|values| &mut values[..n]);
             for k in 0..n {
-                q[k] += qb[k] * bend[k];
-                v[k] += vb[k] * bend[k];
+                let bend = bend[k] * w;
+                q[k] += qb[k] * bend;
+                v[k] += vb[k] * bend;
             }
         }
     }
-    arch.dispatch(AddBend(factors, bend, ends));
+    arch.dispatch(AddBend(factors, w, bend, ends));
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::StepFactors;
     use super::*;
 
     /// Amplitude of a mode of a string after `steps` steps of `h` s from rest, under a force of 1 N that starts at the
@@ -278,21 +313,17 @@ mod tests {
         for step in 0..steps {
             let ([before, slope_before], [now, slope_now]) = (shape(step), shape(step + 1));
             let [mut q_free, mut v_free, mut by_q, mut by_v] = [zeros; 4];
-            free(arch, &factors, [&q, &v, &r], &zeros, [&mut q_free, &mut v_free]);
+            let factors = factors.of(0..LANES);
+            free(arch, factors, [&q, &v, &r], &zeros, [&mut q_free, &mut v_free]);
             let passing = Passing {
                 shapes: [&before, &slope_before, &now, &slope_now],
                 rates: [turn / h, 1.0 / (h * h)].map(|rate| rate as f32),
-                force: 1.0,
             };
-            pass(
-                arch,
-                &factors,
-                passing,
-                [&mut by_q, &mut by_v],
-                [&mut q_free, &mut v_free],
-            );
+            let mut bend = zeros;
+            pass(arch, factors, passing, [&mut by_q, &mut by_v], &mut bend);
+            add_bend(arch, factors, (1.0, &bend), [&mut q_free, &mut v_free]);
             r = zeros;
-            finish(arch, &factors, [&zeros, &q_free, &v_free], [&mut r, &mut q, &mut v]);
+            finish(arch, factors, [&zeros, &q_free, &v_free], [&mut r, &mut q, &mut v]);
             add_answer(arch, 1.0, [&now, &by_q, &by_v], [&mut r, &mut q, &mut v]);
         }
         f64::from(q[0])
@@ -314,7 +345,12 @@ mod tests {
         let (omega, h, bend) = (70.0_f64, 0.02, -3.0_f64);
         let (arch, factors) = (Arch::new(), StepFactors::new(&[omega * omega; LANES], &[0.0; LANES], h));
         let (mut q, mut v) = ([0.0; LANES], [0.0; LANES]);
-        add_bend(arch, &factors, &[bend as f32; LANES], [&mut q, &mut v]);
+        add_bend(
+            arch,
+            factors.of(0..LANES),
+            (1.0, &[bend as f32; LANES]),
+            [&mut q, &mut v],
+        );
         // ½ τ (h − τ) bend from rest: q = particular solution and free motion.
         let (cos, sin) = ((omega * h).cos(), (omega * h).sin());
         let rest = bend / omega.powi(4);

@@ -1,5 +1,7 @@
 //! Exact solution of a mode over a step.
+use super::Aligned;
 use nalgebra::SMatrix;
+use std::ops::Range;
 
 /// Factors of a step of `h` s for all modes, each a vector over the modes:
 ///
@@ -16,33 +18,79 @@ pub struct StepFactors {
     /// Length of the step, s.
     pub h: f64,
     /// Change of `q` by `q₀`, –.
-    pub qq: Vec<f32>,
+    pub qq: Aligned,
     /// Change of `q` by `v₀`, s.
-    pub qv: Vec<f32>,
+    pub qv: Aligned,
     /// Change of `q` by `r₀`, s².
-    pub q0: Vec<f32>,
+    pub q0: Aligned,
     /// Change of `q` by `r₁`, s².
-    pub q1: Vec<f32>,
+    pub q1: Aligned,
     /// Change of `v` by `q₀`, 1/s.
-    pub vq: Vec<f32>,
+    pub vq: Aligned,
     /// Change of `v` by `v₀`, –.
-    pub vv: Vec<f32>,
+    pub vv: Aligned,
     /// Change of `v` by `r₀`, s.
-    pub v0: Vec<f32>,
+    pub v0: Aligned,
     /// Change of `v` by `r₁`, s.
-    pub v1: Vec<f32>,
+    pub v1: Aligned,
     /// Change of `q` by `−s`, s⁴.
-    pub qb: Vec<f32>,
+    pub qb: Aligned,
     /// Change of `v` by `−s`, s³.
-    pub vb: Vec<f32>,
+    pub vb: Aligned,
+}
+
+/// Factors of some modes.
+#[derive(Clone, Copy)]
+pub struct Factors<'a> {
+    pub(super) qq: &'a [f32],
+    pub(super) qv: &'a [f32],
+    pub(super) q0: &'a [f32],
+    pub(super) q1: &'a [f32],
+    pub(super) vq: &'a [f32],
+    pub(super) vv: &'a [f32],
+    pub(super) v0: &'a [f32],
+    pub(super) v1: &'a [f32],
+    pub(super) qb: &'a [f32],
+    pub(super) vb: &'a [f32],
 }
 
 impl StepFactors {
+    /// Factors of the modes `range`.
+    #[must_use]
+    #[inline]
+    pub fn of(&self, range: Range<usize>) -> Factors<'_> {
+        Factors {
+            qq: &self.qq[range.clone()],
+            qv: &self.qv[range.clone()],
+            q0: &self.q0[range.clone()],
+            q1: &self.q1[range.clone()],
+            vq: &self.vq[range.clone()],
+            vv: &self.vv[range.clone()],
+            v0: &self.v0[range.clone()],
+            v1: &self.v1[range.clone()],
+            qb: &self.qb[range.clone()],
+            vb: &self.vb[range],
+        }
+    }
+
     /// Factors of modes with these `ωₖ²` (1/s²) and `cₖ` (1/s).
     #[must_use]
     pub fn new(stiffness: &[f64], damping: &[f64], h: f64) -> Self {
-        let mut factors = Self { h, ..Self::default() };
-        for (&stiffness, &damping) in stiffness.iter().zip(damping) {
+        let zeros = || Aligned::zeros(stiffness.len());
+        let mut factors = Self {
+            h,
+            qq: zeros(),
+            qv: zeros(),
+            q0: zeros(),
+            q1: zeros(),
+            vq: zeros(),
+            vv: zeros(),
+            v0: zeros(),
+            v1: zeros(),
+            qb: zeros(),
+            vb: zeros(),
+        };
+        for (mode, (&stiffness, &damping)) in stiffness.iter().zip(damping).enumerate() {
             let [q, v] = if h == 0.0 {
                 [[0.0, 0.0, 0.0, 1.0 / stiffness, 0.0], [0.0; 5]]
             } else {
@@ -61,7 +109,7 @@ impl StepFactors {
                 (&mut factors.vb, v[4]),
             ];
             for (row, factor) in rows {
-                row.push(factor as f32);
+                row[mode] = factor as f32;
             }
         }
         factors

@@ -26,7 +26,7 @@ pub(crate) struct Base {
     /// Number of those coordinates.
     pub(super) coordinates: usize,
     /// Answers to forces at the end of a step, and at rest.
-    pub(super) answers: [Answers; 2],
+    pub(super) answers: [Arc<Answers>; 2],
 }
 
 impl Base {
@@ -40,7 +40,7 @@ impl Base {
             reason: "the line has no shape".to_owned(),
         })?;
         let contact_wires = (0..linear.contact_wires()).map(|wire| linear.contact_curve(wire));
-        let answers = [Answers::new(&modes, wish.h), Answers::at_rest(&modes)];
+        let answers = [Answers::new(&modes, wish.h), Answers::at_rest(&modes)].map(Arc::new);
         Ok(Self {
             answers,
             modes,

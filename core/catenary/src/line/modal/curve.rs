@@ -1,8 +1,17 @@
 //! The contact wire of a line in its modes, under one strip.
 use crate::{Compliance, CurveColumns, CurvePoint, WireCurve};
+use dynamics::Frame;
 use nalgebra::Vector3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Way along the wire in which the search for a place above a strip begins, m: 2⁻⁶.
+const COARSE: f64 = 0.015_625;
+/// The same for its end, m: 2⁻³⁰. Strips at the same place along the track have the same place on the wire, whatever
+/// lifts the wire.
+const FINE: f64 = COARSE / 16_777_216.0;
+/// Steps of the search; wires are all but straight over [`COARSE`].
+const SEARCH: usize = 2;
 
 /// Parameter on the wire that a contact expects at the end of the present step, m; not a number beyond the wire.
 #[derive(Clone, Debug)]
@@ -34,6 +43,24 @@ pub(super) struct ModalCurve {
     pub place: Place,
 }
 
+impl ModalCurve {
+    /// Parameter of the wire at rest above a strip, near `s`, m.
+    fn above(&self, strip: &Frame, s: f64) -> f64 {
+        let along = strip.axes.column(1).cross(&Vector3::z());
+        let to = |s: f64, step: f64| ((s / step).round() * step).clamp(0.0, self.wire.length());
+        let mut place = to(s, COARSE);
+        for _ in 0..SEARCH {
+            let wire = self.wire.point(place, &self.rest, &self.rest);
+            let change = along.dot(&(strip.position - wire.r)) / along.dot(&wire.r_s);
+            if !change.is_finite() {
+                return s;
+            }
+            place = (place + change).clamp(0.0, self.wire.length());
+        }
+        to(place, FINE)
+    }
+}
+
 impl WireCurve for ModalCurve {
     fn length(&self) -> f64 {
         self.wire.length()
@@ -54,7 +81,8 @@ impl WireCurve for ModalCurve {
         self.wire.compliance(s)
     }
 
-    fn expect(&self, s: Option<f64>) {
-        self.place.set(s.unwrap_or(f64::NAN));
+    fn expect(&self, strip: Option<(&Frame, f64)>) {
+        let place = strip.map(|(strip, s)| self.above(strip, s));
+        self.place.set(place.unwrap_or(f64::NAN));
     }
 }

@@ -71,10 +71,12 @@ impl Lacking {
     pub fn bends<'a>(&'a self, modes: &'a Modes, h: f64) -> impl Iterator<Item = (usize, f64)> + 'a {
         let known = as_long(h, self.h);
         let [now, before, earlier] = &self.last;
-        let at_rest = (0..now.len()).map(|dropper| modes.lacks_at_rest(dropper));
-        let droppers = at_rest.enumerate().filter(move |_| known);
-        droppers.filter_map(move |(dropper, at_rest)| {
+        (0..if known { now.len() } else { 0 }).filter_map(move |dropper| {
             let all = [now[dropper], before[dropper], earlier[dropper]];
+            if all == [0.0; 3] && self.excess[dropper] == 0.0 {
+                return None;
+            }
+            let at_rest = modes.lacks_at_rest(dropper);
             let smooth = all.iter().all(|lacking| lacking + at_rest > 0.0);
             let second = if smooth { all[0] - 2.0 * all[1] + all[2] } else { 0.0 };
             // A bend of 1 N/s² is an impulse of h³/12.

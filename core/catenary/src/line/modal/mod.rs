@@ -24,7 +24,8 @@
 //! interface  the line as strips see it, as a contribution of forces
 //! slack      droppers that may be slack at the end of a step
 //! lacking    forces that slack droppers lack, within steps
-//! point      a point of the line under a strip
+//! lane       amplitudes of one line, moved on together with those of others
+//! pass       strips under the wire in one step, for all lines alike
 //! curve      the contact wire under one strip
 //! store      modes found before
 //! packed     rows of them as bytes
@@ -33,9 +34,10 @@ mod base;
 mod curve;
 mod interface;
 mod lacking;
+mod lane;
 mod modes;
 mod packed;
-mod point;
+mod pass;
 mod slack;
 mod store;
 
@@ -46,9 +48,9 @@ use crate::{
 };
 use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
-use interface::Interface;
+use interface::{Contact, Interface};
+use lane::{Lane, Wires};
 use nalgebra::Vector3;
-use point::ContactPoint;
 use scene::{Reduction, Scene, Wire, WireKind};
 use std::sync::Arc;
 
@@ -114,15 +116,12 @@ impl ModalLine {
         let contact_wires = base.contact_wires.len();
         let first = layout.add_coordinates(strips * contact_wires, "deflection under strips");
         let (mut curves, mut points): (Vec<Arc<dyn WireCurve>>, Vec<_>) = (Vec::new(), Vec::new());
+        let mut wires = Vec::new();
         for contact in 0..strips * contact_wires {
             let (place, coordinate) = (Place::default(), first + contact);
             let wire = Arc::clone(&base.contact_wires[contact % contact_wires]);
-            points.push(ContactPoint::new(
-                coordinate,
-                Arc::clone(&wire),
-                Arc::clone(&rest),
-                place.clone(),
-            ));
+            wires.push(Arc::clone(&wire));
+            points.push(Contact::new(coordinate, place.clone()));
             curves.push(Arc::new(ModalCurve {
                 wire,
                 rest: Arc::clone(&rest),
@@ -130,8 +129,9 @@ impl ModalLine {
                 place,
             }));
         }
+        let wires = Wires { curves: wires, rest };
         Self {
-            interface: Interface::new(Arc::clone(&base.modes), base.answers.to_vec(), points),
+            interface: Interface::new(Lane::new(Arc::clone(&base.modes), base.answers.to_vec(), wires), points),
             curves,
             contact_wires,
             coordinates: base.coordinates,

@@ -2,6 +2,7 @@
 use super::store::{Key, known_or};
 use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve};
 use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, eigenpairs_below};
+use dynamics::modal::Aligned;
 use dynamics::modal::kernels::{self, LANES};
 use dynamics::{Blocks, Force, Layout, Weights};
 use serde::{Deserialize, Serialize};
@@ -26,7 +27,7 @@ pub(super) struct Modes {
     /// of the other nodes. Single precision halves the memory; what the modes left out add makes up for the rounding at
     /// rest.
     #[serde(with = "super::packed")]
-    rows: Vec<f32>,
+    rows: Aligned,
     /// Residual compliance between rows of contact wires, from `NEAR` before to `NEAR` behind each, m/N.
     residual: Vec<f64>,
     /// Law of the droppers, with the dampers that the modes give them.
@@ -42,7 +43,7 @@ pub(super) struct Modes {
     /// `gⱼᵀ φₖ`, dropper after dropper, then the deflections of the supports with dampers. Single precision, which is
     /// a hundredth of a newton, halves the time that droppers take.
     #[serde(with = "super::packed")]
-    joint_rows: Vec<f32>,
+    joint_rows: Aligned,
     /// Residual deflection of the rows of contact wires by a unit force along each dropper, dropper after dropper, m/N.
     dropper_residual: Vec<f64>,
     /// Residual elongation of droppers by unit forces along each other one, m/N.
@@ -104,7 +105,7 @@ impl Modes {
                 at_row[row as usize] = *free;
             }
         }
-        let mut rows = vec![0.0; at_row.len() * modes];
+        let mut rows = Aligned::zeros(at_row.len() * modes);
         for (row, &free) in at_row.iter().enumerate() {
             for (entry, vector) in rows[row * modes..][..modes].iter_mut().zip(&pairs.vectors) {
                 *entry = vector[free] as f32;
@@ -119,7 +120,7 @@ impl Modes {
         let supports = supports(linear, free);
         let held = supports.iter().map(|support| vec![(support.free, 1.0)]);
         let joints: Vec<Vec<(usize, f64)>> = gradients.iter().cloned().chain(held).collect();
-        let mut joint_rows = vec![0.0; joints.len() * modes];
+        let mut joint_rows = Aligned::zeros(joints.len() * modes);
         for (row, gradient) in joint_rows.chunks_exact_mut(modes.max(1)).zip(&joints) {
             for (entry, vector) in row.iter_mut().zip(&pairs.vectors) {
                 *entry = along(gradient, vector) as f32;

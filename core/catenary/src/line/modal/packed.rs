@@ -1,4 +1,5 @@
 //! Many numbers as one field of bytes, which is read as fast as the disk gives it.
+use dynamics::modal::Aligned;
 use serde::de::{Error, Visitor};
 use serde::{Deserializer, Serializer};
 use std::fmt;
@@ -10,21 +11,25 @@ pub(super) fn serialize<S: Serializer>(values: &[f32], serializer: S) -> Result<
 }
 
 /// Reads the numbers.
-pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f32>, D::Error> {
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Aligned, D::Error> {
     struct Numbers;
     impl Visitor<'_> for Numbers {
-        type Value = Vec<f32>;
+        type Value = Aligned;
 
         fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
             formatter.write_str("four bytes for each number")
         }
 
-        fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Vec<f32>, E> {
+        fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Aligned, E> {
             let (numbers, rest) = bytes.as_chunks();
             if !rest.is_empty() {
                 return Err(E::invalid_length(bytes.len(), &self));
             }
-            Ok(numbers.iter().map(|number| f32::from_le_bytes(*number)).collect())
+            let mut values = Aligned::zeros(numbers.len());
+            for (value, number) in values.iter_mut().zip(numbers) {
+                *value = f32::from_le_bytes(*number);
+            }
+            Ok(values)
         }
     }
     deserializer.deserialize_bytes(Numbers)

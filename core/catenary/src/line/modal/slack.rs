@@ -1,9 +1,9 @@
 //! Droppers that may be slack at the end of a step.
 use super::modes::Modes;
-use super::point::ContactPoint;
-use dynamics::Lu;
-use dynamics::modal::{StepFactors, kernels};
+use super::pass::Pass;
+use dynamics::modal::{Aligned, StepFactors, kernels};
 use pulp::Arch;
+use std::sync::Arc;
 
 /// Difference of forces between sweeps over slack droppers at which these end, N.
 const SETTLED: f64 = 1e-9;
@@ -17,7 +17,7 @@ pub(crate) struct Answers {
     /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
     between_droppers: Vec<f64>,
     /// Amplitudes and their rates by a unit force of one dropper.
-    products: [Vec<f32>; 2],
+    products: [Aligned; 2],
 }
 
 impl Answers {
@@ -25,7 +25,7 @@ impl Answers {
         Self {
             step: StepFactors::new(&modes.stiffness, &modes.damping, h),
             between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
-            products: [vec![0.0; modes.count()], vec![0.0; modes.count()]],
+            products: [Aligned::zeros(modes.count()), Aligned::zeros(modes.count())],
         }
     }
 
@@ -38,15 +38,18 @@ impl Answers {
         answers
     }
 
-    /// Finds the answer of dropper `a` to the force of dropper `b` where it is not yet known.
+    /// Answer of the tension of dropper `a` to the force of dropper `b`, –; not a number where not yet needed.
+    fn between(&self, modes: &Modes, [a, b]: [usize; 2]) -> f64 {
+        self.between_droppers[a * modes.droppers() + b]
+    }
+
+    /// Finds the answer of dropper `a` to the force of dropper `b`.
     fn need(&mut self, (arch, modes): (Arch, &Modes), [a, b]: [usize; 2]) {
-        if !self.between_droppers[a * modes.droppers() + b].is_nan() {
-            return;
-        }
         for (product, factor) in self.products.iter_mut().zip([&self.step.q1, &self.step.v1]) {
             kernels::products(arch, modes.joint(a), factor, product);
         }
-        let [elongation, rate] = kernels::dots(arch, modes.joint(b), self.products.each_ref().map(Vec::as_slice));
+        let [elongation, rate] =
+            kernels::dots(arch, modes.joint(b), self.products.each_ref().map(|product| &**product));
         let elongation = elongation + modes.residual_between(a, b);
         let answer = modes.law.stiffness * elongation + modes.law.damping * rate;
         // Both ways the same, as the modes are.
@@ -67,62 +70,75 @@ pub(super) struct Candidates {
     tensions: Vec<f64>,
     /// Force on each strip that a unit lacking force leaves with the points held, –; candidate after candidate.
     held: Vec<f64>,
+    /// Tension by a unit force of each other one, –; candidate after candidate.
+    between: Vec<f64>,
     /// Lacking force of each beyond that at rest at the last solution, N.
     lacking: Vec<f64>,
 }
 
 impl Candidates {
+    /// Number of candidates.
+    pub fn len(&self) -> usize {
+        self.droppers.len()
+    }
+
+    /// The candidates.
+    pub fn droppers(&self) -> &[usize] {
+        &self.droppers
+    }
+
     /// The candidates and their last lacking forces, N.
     pub fn lacking(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.droppers.iter().copied().zip(self.lacking.iter().copied())
     }
 
-    /// Takes the droppers that are candidates, with what they lacked at the end of the last step, N; `compliance` has
-    /// the factors of the compliance of the points.
+    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N.
+    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64)>) {
+        self.droppers.clear();
+        self.lacking.clear();
+        for (dropper, lacking) in droppers {
+            self.droppers.push(dropper);
+            self.lacking.push(lacking);
+        }
+    }
+
+    /// Takes the part of each in the step: its elongation, m, and the rate, m/s, without forces at the end, and its
+    /// answers to forces there.
     pub fn take(
         &mut self,
-        (arch, modes, answers): (Arch, &Modes, &mut Answers),
-        (points, compliance): (&[ContactPoint], &Lu),
-        [q_free, v_free]: [&[f32]; 2],
-        droppers: impl Iterator<Item = (usize, f64)>,
+        (arch, modes, answers): (Arch, &Modes, &mut Arc<Answers>),
+        pass: &mut Pass,
+        motions: impl Iterator<Item = [f64; 2]>,
     ) {
         let law = &modes.law;
-        for values in [
+        let values = [
             &mut self.free,
             &mut self.deflections,
             &mut self.tensions,
             &mut self.held,
-            &mut self.lacking,
-        ] {
-            values.clear();
-        }
-        self.droppers.clear();
-        for (dropper, lacking) in droppers {
-            let row = modes.joint(dropper);
-            let [elongation, rate] = kernels::dots(arch, row, [q_free, v_free]);
+            &mut self.between,
+        ];
+        values.into_iter().for_each(Vec::clear);
+        for (&dropper, [elongation, rate]) in self.droppers.iter().zip(motions) {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
             self.free.push(spring + law.damping * rate);
-            for point in points {
-                let [mut deflection, mut elongation, mut rate] = [0.0; 3];
-                if point.on {
-                    let [q, v] = &point.by_force;
-                    [deflection, elongation, rate] = kernels::dots(arch, row, [&point.fixed, q, v]);
-                    let residual = modes.residual_by_dropper(&point.columns, dropper);
-                    deflection += residual;
-                    elongation += residual;
-                }
-                self.deflections.push(deflection);
-                self.tensions.push(law.stiffness * elongation + law.damping * rate);
+            pass.need((arch, modes), dropper);
+            for [deflection, tension] in pass.by_dropper(dropper) {
+                self.deflections.push(*deflection);
+                self.tensions.push(*tension);
             }
             let first = self.held.len();
             self.held.extend_from_slice(&self.deflections[first..]);
-            compliance.solve(&mut self.held[first..]);
-            self.lacking.push(lacking);
-            self.droppers.push(dropper);
+            pass.factored.solve(&mut self.held[first..]);
         }
         for &a in &self.droppers {
             for &b in &self.droppers {
-                answers.need((arch, modes), [a, b]);
+                let mut answer = answers.between(modes, [a, b]);
+                if answer.is_nan() {
+                    Arc::make_mut(answers).need((arch, modes), [a, b]);
+                    answer = answers.between(modes, [a, b]);
+                }
+                self.between.push(answer);
             }
         }
     }
@@ -135,18 +151,18 @@ impl Candidates {
 
     /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces`
     /// are those of the strips with the points held, and change with `p`.
-    pub fn settle(&mut self, modes: &Modes, answers: &Answers, forces: &mut [f64]) {
-        let contacts = forces.len();
+    pub fn settle(&mut self, modes: &Modes, forces: &mut [f64]) {
+        let (contacts, count) = (forces.len(), self.len());
         for _ in 0..SWEEPS {
             let mut largest = 0.0_f64;
             for (c, &dropper) in self.droppers.iter().enumerate() {
                 let own = c * contacts..(c + 1) * contacts;
                 let (tensions, held) = (&self.tensions[own.clone()], &self.held[own]);
                 let along = |values: &[f64]| -> f64 { tensions.iter().zip(values).map(|(a, b)| a * b).sum() };
-                let between = &answers.between_droppers[dropper * modes.droppers()..][..modes.droppers()];
-                let by_droppers: f64 = self.lacking().map(|(other, lacking)| between[other] * lacking).sum();
+                let between = &self.between[c * count..][..count];
+                let by_droppers: f64 = between.iter().zip(&self.lacking).map(|(a, b)| a * b).sum();
                 let spring = self.free[c] + along(forces) - by_droppers;
-                let slope = 1.0 - between[dropper] + along(held);
+                let slope = 1.0 - between[c] + along(held);
                 let of_rest = modes.lacks_at_rest(dropper);
                 let lacks = self.lacking[c] + of_rest;
                 let next = (lacks - (spring + lacks) / slope).max(0.0);

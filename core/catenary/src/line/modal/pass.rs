@@ -1,0 +1,198 @@
+//! Strips under the wire in one step: all that lines with strips at the same places have in common.
+use super::lane::Wires;
+use super::modes::Modes;
+use crate::CurveColumns;
+use dynamics::Lu;
+use dynamics::modal::kernels::{self, Passing};
+use dynamics::modal::{Aligned, StepFactors};
+use pulp::Arch;
+
+/// Stiffness that holds a point under a strip beyond the wire, N/m.
+pub(super) const HELD: f64 = 1e5;
+
+/// Modes at a place of the wire: `φₖ` and `∂φₖ/∂s`.
+struct Shapes {
+    /// Parameter on the wire, m; not a number where none is known.
+    s: f64,
+    at: Aligned,
+    slope: Aligned,
+}
+
+/// A point under a strip.
+pub(super) struct Point {
+    /// Columns of the wire at the point.
+    pub columns: CurveColumns,
+    /// True for a strip under the wire.
+    pub on: bool,
+    /// Place along the track, m, where the strip is under the wire.
+    pub x: f64,
+    /// Way along the wire in the step, m; not a number where the strip was not under the wire at both ends.
+    pub moved: f64,
+    /// Modes at the ends of the step.
+    shapes: [Shapes; 2],
+    /// Amplitudes at the end of the step and their rates by a unit force there, with the move of the point.
+    pub by_force: [Aligned; 2],
+    /// Amplitudes at the end of the step by a unit force there that does not move: those that it feels of others.
+    fixed: Aligned,
+    /// Bend of the modal force that a unit force at the begin of the step makes by the move of the point.
+    pub bend: Aligned,
+}
+
+impl Point {
+    fn new(modes: usize) -> Self {
+        let room = || Aligned::zeros(modes);
+        let shapes = || Shapes {
+            s: f64::NAN,
+            at: room(),
+            slope: room(),
+        };
+        Self {
+            columns: CurveColumns::default(),
+            on: false,
+            x: f64::NAN,
+            moved: f64::NAN,
+            shapes: [shapes(), shapes()],
+            by_force: [room(), room()],
+            fixed: room(),
+            bend: room(),
+        }
+    }
+
+    /// `φₖ` of all modes at the end of the step.
+    pub fn shape(&self) -> &[f32] {
+        &self.shapes[1].at
+    }
+
+    /// `∂φₖ/∂s` there.
+    pub fn slope(&self) -> &[f32] {
+        &self.shapes[1].slope
+    }
+
+    /// Goes on from a place to the one at the end of the step.
+    fn go(&mut self, (arch, modes, wires): (Arch, &Modes, &Wires), wire: usize, [before, now]: [f64; 2]) {
+        self.moved = now - before;
+        self.on = now.is_finite();
+        self.shapes.swap(0, 1);
+        if before.is_finite() && self.shapes[0].s.to_bits() != before.to_bits() {
+            self.find(0, before, (arch, modes, wires), wire);
+        }
+        self.find(1, now, (arch, modes, wires), wire);
+        if self.on {
+            self.x = wires.x(wire, now);
+        }
+    }
+
+    /// Modes at `s`, of the begin (0) or the end (1) of the step.
+    fn find(&mut self, end: usize, s: f64, (arch, modes, wires): (Arch, &Modes, &Wires), wire: usize) {
+        self.columns.clear();
+        if s.is_finite() {
+            wires.columns(wire, s, &mut self.columns);
+        }
+        let mut rows = [([0.0; 2], &[][..]); CurveColumns::CAPACITY];
+        let mut count = 0;
+        for column in self.columns.as_slice() {
+            if let Some(row) = modes.at(column.index) {
+                rows[count] = ([column.n.z, column.n_s.z].map(|weight| weight as f32), row);
+                count += 1;
+            }
+        }
+        let shapes = &mut self.shapes[end];
+        shapes.s = s;
+        kernels::shape(arch, &rows[..count], &mut shapes.at, &mut shapes.slope);
+    }
+
+    /// Answers of all modes to a unit force at the end of the step, and the bend by one at its begin.
+    fn answer(&mut self, arch: Arch, factors: &StepFactors) {
+        let h = factors.h;
+        let [before, now] = &self.shapes;
+        // A point that comes to the wire in the step, or a step to rest, is without a move.
+        let (before, along, per_step) = if self.moved.is_finite() && h > 0.0 {
+            (before, self.moved / (h * h), 1.0 / (h * h))
+        } else {
+            (now, 0.0, 0.0)
+        };
+        kernels::products(arch, &now.at, &factors.q1, &mut self.fixed);
+        let passing = Passing {
+            shapes: [&before.at, &before.slope, &now.at, &now.slope],
+            rates: [along, per_step].map(|rate| rate as f32),
+        };
+        let [q, v] = &mut self.by_force;
+        kernels::pass(arch, factors.of(0..now.at.len()), passing, [q, v], &mut self.bend);
+    }
+}
+
+/// The strips in one step.
+pub(super) struct Pass {
+    pub points: Vec<Point>,
+    /// Compliance of the points at the end of the step, m/N, row by row, and its factors.
+    pub compliance: Vec<f64>,
+    pub factored: Lu,
+    /// Deflection of each point, m/N, and tension of the dropper by a unit force there, –: dropper after dropper; not a
+    /// number where not yet needed.
+    by_droppers: Vec<[f64; 2]>,
+}
+
+impl Pass {
+    /// Room for `points` strips and wires.
+    pub fn new(modes: &Modes, points: usize) -> Self {
+        Self {
+            points: (0..points).map(|_| Point::new(modes.count())).collect(),
+            compliance: vec![0.0; points * points],
+            factored: Lu::default(),
+            by_droppers: vec![[f64::NAN; 2]; points * modes.droppers()],
+        }
+    }
+
+    /// Goes on by a step to the `places` of the strips: parameters on the wires at its ends, m.
+    pub fn go(&mut self, (arch, modes, wires): (Arch, &Modes, &Wires), factors: &StepFactors, places: &[[f64; 2]]) {
+        for (number, (point, place)) in self.points.iter_mut().zip(places).enumerate() {
+            point.go((arch, modes, wires), number, *place);
+            if point.on {
+                point.answer(arch, factors);
+            }
+        }
+        let count = self.points.len();
+        for (i, point) in self.points.iter().enumerate() {
+            for (j, other) in self.points.iter().enumerate() {
+                self.compliance[i * count + j] = if point.on && other.on {
+                    let [of_modes] = kernels::dots(arch, point.shape(), [&other.by_force[0]]);
+                    of_modes + modes.residual_between_points(&point.columns, &other.columns)
+                } else if i == j {
+                    1.0 / HELD
+                } else {
+                    0.0
+                };
+            }
+        }
+        self.factored.matrix(count).copy_from_slice(&self.compliance);
+        self.factored
+            .factor()
+            .expect("strips apart have independent deflections");
+        self.by_droppers.fill([f64::NAN; 2]);
+    }
+
+    /// Finds the answers between the points and a dropper where they are not yet known.
+    pub fn need(&mut self, (arch, modes): (Arch, &Modes), dropper: usize) {
+        let count = self.points.len();
+        let answers = &mut self.by_droppers[dropper * count..][..count];
+        let row = modes.joint(dropper);
+        for (answer, point) in answers.iter_mut().zip(&self.points) {
+            if !answer[0].is_nan() {
+                continue;
+            }
+            *answer = [0.0; 2];
+            if point.on {
+                let [q, v] = &point.by_force;
+                let [deflection, elongation, rate] = kernels::dots(arch, row, [&point.fixed, q, v]);
+                let residual = modes.residual_by_dropper(&point.columns, dropper);
+                let (elongation, law) = (elongation + residual, &modes.law);
+                *answer = [deflection + residual, law.stiffness * elongation + law.damping * rate];
+            }
+        }
+    }
+
+    /// Answers between the points and a dropper, see [`Pass::need`].
+    pub fn by_dropper(&self, dropper: usize) -> &[[f64; 2]] {
+        &self.by_droppers[dropper * self.points.len()..][..self.points.len()]
+    }
+}
