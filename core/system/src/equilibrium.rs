@@ -6,7 +6,7 @@ use catenary::{CatenaryError, LineAtRest, StaticLine, StaticsError, StripStart};
 use compliance::{Compliance, difference};
 use dynamics::Layout;
 use nalgebra::DMatrix;
-use scene::{Initialise, PantographModel, Scene, Start};
+use scene::{Initialise, PantographModel, Reduction, Scene, Start};
 use std::ops::Range;
 use vehicle::{Equilibrium, VehicleError};
 
@@ -246,6 +246,24 @@ fn stiffness_of(
     Ok(matrix)
 }
 
+/// Height of the contact wire under a `force` in N at which the search for the balance begins, m; `free` without one.
+///
+/// A linear line rises in proportion to the force, so that cases with forces of their own share one height.
+fn first_height(
+    scene: &Scene,
+    statics: &StaticLine,
+    index: usize,
+    (free, force): (f64, f64),
+) -> Result<f64, EquilibriumError> {
+    /// Forces that share a height, N.
+    const SHARED: f64 = 50.0;
+    if !scene.model.has(Reduction::Modal) {
+        return wire_height(scene, statics, index, force);
+    }
+    let most = (force / SHARED).ceil() * SHARED;
+    Ok(free + (wire_height(scene, statics, index, most)? - free) * force / most)
+}
+
 /// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes; on a head with several
 /// strips, along each of the motions that the head allows.
 ///
@@ -274,7 +292,7 @@ fn balance(
                 force,
             });
         }
-        let height = wire_height(scene, statics, side.index, force)? + force / (count as f64 * contact);
+        let height = first_height(scene, statics, side.index, (free, force))? + force / (count as f64 * contact);
         for strip in &mut strips[side.strips.clone()] {
             strip.height = height;
         }
