@@ -2,10 +2,10 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use component::{Frame, Observer, Point, Progress, Share, Work};
 use dynamics::StepError;
+use dynamics::lockstep::Stopwatch;
 use scene::Scene;
 
 use crate::one_system::OneSystem;
@@ -201,7 +201,7 @@ pub fn run(
     schedule: Schedule,
     watch: &Watch<'_>,
 ) -> Outcome<StepError> {
-    let begin = Instant::now();
+    let begin = Stopwatch::start();
     let start = whole.point(0.0);
     recorder.start(&start);
     let mut points = [start.clone(), start];

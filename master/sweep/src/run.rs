@@ -36,6 +36,9 @@ pub const TIMES: &str = "sweep-times.csv";
 /// Lines at rest that are kept; the fastest key changes from case to case, and few lines are met in turn.
 const LINES: usize = 8;
 
+/// Most cases that a thread makes in lockstep.
+const TOGETHER: usize = 16;
+
 /// Choices beside the plan.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -206,6 +209,7 @@ impl Sweep {
             workers: self.options.jobs,
             interrupted,
             limit: None,
+            together: (self.cases as usize / self.options.jobs.max(1)).clamp(1, TOGETHER),
         };
         // A flag that is set between two cases ends the sweep too.
         let open = open.take_while(|_| !interrupted.load(std::sync::atomic::Ordering::Relaxed));

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use experiments::engine::table::Status;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use results::report::{Progress, Show};
@@ -28,7 +29,11 @@ const SHORT: [&str; 5] = [
 ];
 
 fn base() -> Base {
-    let set = SHORT.map(str::to_owned).to_vec();
+    base_with(&[])
+}
+
+fn base_with(more: &[&str]) -> Base {
+    let set = SHORT.iter().chain(more).map(|&set| set.to_owned()).collect();
     Base::new("short", "scene.toml", Path::new(""), EN_250.to_owned(), set)
 }
 
@@ -61,6 +66,10 @@ fn numbers(case: &Case) -> Vec<f64> {
 }
 
 fn sweep(wishes: &Wishes, jobs: usize, series: bool) -> Sweep {
+    sweep_over(base(), wishes, jobs, series)
+}
+
+fn sweep_over(base: Base, wishes: &Wishes, jobs: usize, series: bool) -> Sweep {
     let fmus = std::env::temp_dir();
     let options = Options {
         mode: Mode::Monolithic,
@@ -69,7 +78,7 @@ fn sweep(wishes: &Wishes, jobs: usize, series: bool) -> Sweep {
         logging: false,
         fmus,
     };
-    Sweep::new(base(), wishes.plan().unwrap(), options).unwrap()
+    Sweep::new(base, wishes.plan().unwrap(), options).unwrap()
 }
 
 fn run(sweep: &Sweep, folder: &Path) -> Summary {
@@ -435,4 +444,26 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
     assert!(csv.contains("run.allow_supercritical") || csv.contains("wave"), "{csv}");
     let page = fs::read_to_string(folder.path().join("sweep.html")).unwrap();
     assert!(page.contains("Cases without figures") && page.contains("master run scene.toml --mode monolithic"));
+}
+
+/// Two speeds, which have nothing in common, and forces up to some that leave droppers slack.
+#[test]
+fn cases_of_a_modal_line_in_lockstep_have_the_bits_of_cases_by_themselves() {
+    let vary = ["run.speed_kmh=200,230", "pantograph[1].static_force=90,120,200"];
+    let base = base_with(&["model.reduce=[\"modal\"]"]);
+    let sweep = sweep_over(base, &wishes(&vary, &[], &[]), 1, true);
+    let made = |cases: &[u64]| {
+        let cases = cases.iter().copied().collect();
+        let mut batch = sweep.make_batch(&cases, &AtomicBool::new(false)).unwrap();
+        for made in &mut batch {
+            (made.record.wall, made.record.setup) = (None, None);
+        }
+        batch
+    };
+    let together = made(&[1, 2, 3, 4, 5, 6]);
+    let alone: Vec<_> = (1..=6).flat_map(|case| made(&[case])).collect();
+    assert!(together.iter().all(|made| made.record.status == Status::Stable));
+    assert!(together == alone);
+    let figures = |at: usize| &together[at].record.pantographs[0];
+    assert!((1..6).all(|at| figures(at) != figures(0)));
 }

@@ -291,6 +291,7 @@ pub fn execute<E: Experiment>(
                 workers,
                 interrupted: site.interrupted,
                 limit: shared.limit,
+                together: 1,
             };
             side_by_side(crew, order.into_iter(), &one, &mut |(index, done)| {
                 found[first + index] = Some(done);
@@ -322,6 +323,8 @@ pub struct Crew<'a> {
     pub interrupted: &'a AtomicBool,
     /// Wall time after which a run is ended.
     pub limit: Option<Duration>,
+    /// Jobs that each thread makes in lockstep, at least one.
+    pub together: usize,
 }
 
 /// Works on jobs in this order; `take` is given each outcome as it comes, on this thread. Jobs are drawn when a worker
@@ -329,7 +332,7 @@ pub struct Crew<'a> {
 ///
 /// # Errors
 /// The first error of a job or of `take`.
-pub fn side_by_side<J, F: Send, E: Send>(
+pub fn side_by_side<J: Send, F: Send, E: Send>(
     crew: Crew<'_>,
     jobs: impl Iterator<Item = J> + Send,
     one: &(impl Fn(J, &Guard) -> Result<Option<F>, E> + Sync),
@@ -344,16 +347,14 @@ pub fn side_by_side<J, F: Send, E: Send>(
         for guard in &guards {
             let (sender, jobs, stop) = (sender.clone(), &jobs, &stop);
             scope.spawn(move || {
-                while !stop.load(Ordering::Relaxed) {
-                    let Some(job) = lock(jobs).next() else { break };
-                    let Some(done) = one(job, guard).transpose() else {
-                        break;
-                    };
-                    // Nobody listens any more after an error.
-                    if sender.send(done).is_err() {
-                        break;
-                    }
-                }
+                let goes_on = || !stop.load(Ordering::Relaxed);
+                let mut draw = || goes_on().then(|| lock(jobs).next()).flatten();
+                // Nobody listens any more after an error.
+                let mut done = |done: Result<Option<F>, E>| {
+                    let done = done.transpose();
+                    done.is_some_and(|done| sender.send(done).is_ok())
+                };
+                lockstep::together(crew.together.max(1), &mut draw, &|job| one(job, guard), &mut done);
             });
         }
         drop(sender);
