@@ -133,8 +133,8 @@ pub trait WireCurve: Send + Sync {
         Compliance::default()
     }
 
-    /// Takes in where a strip will be at the end of a step that begins, with the parameter of the closest point, m; none
-    /// beyond the ends of the curve.
+    /// Takes in where a strip will be at the end of a step that begins, with the parameter of the closest point, m;
+    /// none beyond the ends of the curve.
     fn expect(&self, strip: Option<(&Frame, f64)>) {
         let _ = strip;
     }
