@@ -1,4 +1,5 @@
 //! Dense blocks that go to fixed places of a sparse matrix.
+use nalgebra::DMatrix;
 
 /// Marks an entry whose row or column is held fixed.
 const SKIPPED: u32 = u32::MAX;
@@ -116,6 +117,15 @@ impl<'a> Blocks<'a> {
             }
         }
     }
+}
+
+/// A dense matrix of `n` rows from the blocks of `add`, which is called twice.
+pub fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(n, n);
+    for (row, column, value) in Blocks::collect(add) {
+        matrix[(row as usize, column as usize)] += value;
+    }
+    matrix
 }
 
 #[cfg(test)]

@@ -72,7 +72,7 @@ pub mod testing;
 pub mod unilateral;
 mod wind;
 
-pub use blocks::Blocks;
+pub use blocks::{Blocks, dense};
 pub use capability::{ByRange, LowRank, OnePass, StepHistory};
 pub use constraint::{Constraint, JacobianRows};
 pub use energy_balance::EnergyBalance;

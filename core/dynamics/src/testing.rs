@@ -2,7 +2,7 @@
 //!
 //! Differences go in the directions of the generalised velocities: a rotation turns about the axes of its body. A check
 //! panics with the largest error, as an assertion does.
-use crate::{Blocks, Force, Layout, Motion, State, Updates, Weights, rotation};
+use crate::{Force, Layout, Motion, State, Updates, Weights, dense, rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Largest asymmetry of a mass matrix, part of its largest entry: rounding.
@@ -182,15 +182,6 @@ pub fn tangent(law: &mut dyn Force, n: usize, motion: &Motion<'_>, weights: Weig
     tangent
 }
 
-/// A dense matrix of `n` rows from the blocks of `add`, which is called twice.
-pub fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(n, n);
-    for (row, column, value) in Blocks::collect(add) {
-        matrix[(row as usize, column as usize)] += value;
-    }
-    matrix
-}
-
 /// A layout of `n` coordinates without rotations.
 #[must_use]
 pub fn plain_layout(n: usize) -> Layout {
@@ -236,6 +227,7 @@ pub fn jacobian(layout: &Layout, state: &State, function: &mut dyn FnMut(&State)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Blocks;
 
     /// A hardening spring with a damper on one coordinate; each error is a factor on one of its four answers.
     struct Spring {

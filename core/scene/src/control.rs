@@ -441,7 +441,7 @@ impl Control {
         {
             let names: Vec<String> = linkage
                 .revolutes()
-                .map(|(joint, _)| format!("{:?}", joint.name()))
+                .map(|(_, joint)| format!("{:?}", joint.name()))
                 .collect();
             let there = linkage.joints.iter().any(|other| other.name() == *joint);
             let problem = if there { "no revolute joint" } else { "no such joint" };

@@ -144,18 +144,17 @@ impl Linkage {
         self.bodies.iter().find(|body| body.name == name)
     }
 
-    /// Revolute joints with their axes.
-    pub fn revolutes(&self) -> impl Iterator<Item = (&Joint, [f64; 3])> {
-        self.joints.iter().filter_map(|joint| match joint.kind {
-            JointKind::Revolute { axis } => Some((joint, axis)),
-            JointKind::Spherical | JointKind::Prismatic { .. } => None,
-        })
+    /// Revolute joints with their numbers, from 0.
+    pub fn revolutes(&self) -> impl Iterator<Item = (usize, &Joint)> {
+        let joints = self.joints.iter().enumerate();
+        joints.filter(|(_, joint)| matches!(joint.kind, JointKind::Revolute { .. }))
     }
 
-    /// The revolute joint called `name`, see [`Joint::name`], with its axis.
+    /// Number of the revolute joint called `name`, see [`Joint::name`], from 0.
     #[must_use]
-    pub fn revolute(&self, name: &str) -> Option<(&Joint, [f64; 3])> {
-        self.revolutes().find(|(joint, _)| joint.name() == name)
+    pub fn revolute(&self, name: &str) -> Option<usize> {
+        let (number, _) = self.revolutes().find(|(_, joint)| joint.name() == name)?;
+        Some(number)
     }
 }
 

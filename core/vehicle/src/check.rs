@@ -1,6 +1,7 @@
 //! States and orientations that favour no direction, for tests; the checks of laws are those of [`dynamics::testing`].
+pub(crate) use dynamics::dense;
 pub(crate) use dynamics::testing::{
-    LawTrio, assert_energy, assert_law, assert_tangent, dense, generalised_force as force, jacobian,
+    LawTrio, assert_energy, assert_law, assert_tangent, generalised_force as force, jacobian,
 };
 use dynamics::{Force, Layout, State, rotation};
 use nalgebra::{UnitQuaternion, Vector3};

@@ -2,8 +2,8 @@ use super::enrichment::{End, LayerIntegrals, Products};
 use super::*;
 use crate::{CurveColumns, WireCurve};
 use ancf::{AxialLaw, BendingLaw, bending_matrix, tension_matrix};
-use dynamics::testing::{LawTrio, assert_energy, assert_mass, dense, plain_layout};
-use dynamics::{Columns, Force, Marker, Motion, OnePass, State, Weights};
+use dynamics::testing::{LawTrio, assert_energy, assert_mass, plain_layout};
+use dynamics::{Columns, Force, Marker, Motion, OnePass, State, Weights, dense};
 use nalgebra::{DVector, Vector3, Vector4};
 use std::sync::Arc;
 

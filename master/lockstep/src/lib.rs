@@ -125,24 +125,18 @@ fn answer<R>(lanes: &[Lane<'_, R>]) {
         let asked = lane.seat.question.take();
         open.extend(asked.map(|(question, answer)| (&*lane.seat, question, answer)));
     }
-    let mut rest = Vec::new();
     while let Some((_, first, answer)) = open.first() {
         let (kind, answer) = ((**first).type_id(), *answer);
-        let mut seats = Vec::with_capacity(open.len());
-        let mut questions = Vec::with_capacity(open.len());
-        for (seat, question, own) in open.drain(..) {
-            if (*question).type_id() == kind {
-                seats.push(seat);
-                questions.push(question);
-            } else {
-                rest.push((seat, question, own));
-            }
-        }
+        let (alike, others): (Vec<_>, Vec<_>) = open
+            .into_iter()
+            .partition(|(_, question, _)| (**question).type_id() == kind);
+        open = others;
+        let (seats, mut questions): (Vec<&Seat>, Vec<Question>) =
+            alike.into_iter().map(|(seat, question, _)| (seat, question)).unzip();
         answer(&mut questions);
         for (seat, question) in seats.into_iter().zip(questions) {
             seat.question.replace(Some((question, answer)));
         }
-        std::mem::swap(&mut open, &mut rest);
     }
     let end = Instant::now();
     let share = end.duration_since(begin) / lanes.len().max(1) as u32;

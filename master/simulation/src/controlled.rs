@@ -89,7 +89,7 @@ pub(crate) fn foreseen(
     let mut known = None;
     let mut stiffnesses = || *known.get_or_insert_with(|| static_stiffnesses(scene, statics, span));
     let remarks = all(scene).filter_map(|(index, control)| {
-        let plant = match &scene.pantographs[index].model {
+        let plant = || match &scene.pantographs[index].model {
             PantographModel::Lumped(lumped) => Ok(Plant::Chain(lumped)),
             PantographModel::Linkage(_) => vehicle::PantographModel::linearised(scene, index)
                 .map(|parts| parts.map_or(Plant::Unknown, Plant::Linear))
@@ -97,7 +97,8 @@ pub(crate) fn foreseen(
             PantographModel::Supplied(_) => Ok(Plant::Unknown),
         };
         if let Some((number, _)) = scene.controller_of(index) {
-            let tried = controllers.get_mut(index).and_then(Option::as_mut).zip(plant.ok());
+            let controller = controllers.get_mut(index).and_then(Option::as_mut);
+            let tried = controller.and_then(|controller| Some((controller, plant().ok()?)));
             let Some((controller, plant)) = tried else {
                 return Some(not_foreseen(index, number, control));
             };
@@ -110,7 +111,7 @@ pub(crate) fn foreseen(
         if control.law == ControlLaw::Given {
             return None;
         }
-        match plant {
+        match plant() {
             Ok(plant) => remark(index, control, &plant, &mut stiffnesses),
             Err(reason) => Some(format!(
                 "pantograph[{}].control: the delay that the loop bears is not told, for linear theory needs a linkage \

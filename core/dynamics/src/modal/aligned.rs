@@ -7,7 +7,7 @@ const BYTES: usize = 64;
 const SPARE: usize = BYTES / size_of::<f32>() - 1;
 
 /// Numbers that begin at a multiple of 64 bytes.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Aligned {
     room: Vec<f32>,
     from: usize,

@@ -13,7 +13,7 @@ use std::ops::Range;
 /// with the modal force `r₀ + (r₁ − r₀) τ/h − ½ τ (h − τ) s` at `τ` in the step, `s` its second derivative. A step of
 /// 0 s leads to the state at rest under `r₁`. Changes over a step keep their digits in single precision: a slow mode
 /// changes by a millionth of itself.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct StepFactors {
     /// Length of the step, s.
     pub h: f64,

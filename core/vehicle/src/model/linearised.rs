@@ -2,8 +2,8 @@
 use super::{PantographModel, Placement};
 use crate::{AppliedForce, VehicleError};
 use control::LinearParts;
-use dynamics::{Blocks, Columns, Force, Layout, Motion, Weights};
-use nalgebra::{DMatrix, DVector};
+use dynamics::{Columns, Force, Layout, Motion, Weights, dense};
+use nalgebra::DVector;
 use scene::Scene;
 
 impl PantographModel {
@@ -51,13 +51,13 @@ impl PantographModel {
                 visit(contact);
             }
         };
-        let stiffness = matrix(n, &mut |blocks| {
+        let stiffness = dense(n, &mut |blocks| {
             forces(&mut |force| force.add_tangent(&state.motion(&u), Weights { q: 1.0, v: 0.0 }, blocks));
         });
-        let damping = matrix(n, &mut |blocks| {
+        let damping = dense(n, &mut |blocks| {
             forces(&mut |force| force.add_tangent(&state.motion(&u), Weights { q: 0.0, v: 1.0 }, blocks));
         });
-        let mass = matrix(n, &mut |blocks| forces(&mut |force| force.add_mass(blocks)));
+        let mass = dense(n, &mut |blocks| forces(&mut |force| force.add_mass(blocks)));
         let mut pressed = |motion: &Motion<'_>| {
             let mut sum = DVector::zeros(n);
             forces(&mut |force| force.add_force(motion, sum.as_mut_slice()));
@@ -74,14 +74,4 @@ impl PantographModel {
             drive,
         }))
     }
-}
-
-/// Matrix of `n` coordinates from the blocks that `add` brings.
-fn matrix(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let places: Vec<u32> = places.iter().map(|(row, column)| row + column * n as u32).collect();
-    let mut matrix = DMatrix::zeros(n, n);
-    add(&mut Blocks::add_to(&places, matrix.as_mut_slice()));
-    matrix
 }

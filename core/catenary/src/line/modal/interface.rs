@@ -186,9 +186,12 @@ impl Interface {
 
     /// Chooses the droppers and supports near the strips, slack droppers, and in turn the others, to be looked at.
     fn choose_watched(&mut self) {
-        let lane = self.lane.as_deref_mut().expect(HERE);
         self.near.fill(false);
-        let points = lane.pass().map_or(&[][..], |pass| &pass.points);
+        let points = self
+            .lane
+            .as_deref()
+            .and_then(Lane::pass)
+            .map_or(&[][..], |pass| &pass.points);
         for point in points.iter().filter(|point| point.on) {
             let joints = self.modes.dropper_x.iter().chain(&self.modes.support_x);
             for (near, x) in self.near.iter_mut().zip(joints) {
@@ -196,20 +199,22 @@ impl Interface {
             }
         }
         let droppers = self.modes.droppers();
-        lane.watched.clear();
+        let mut watched = std::mem::take(&mut self.lane_mut().watched);
+        watched.clear();
         for (joint, near) in self.near.iter().enumerate() {
             let in_turn = || {
-                self.lacking.beyond_rest()[joint] + self.modes.lacks_at_rest(joint) > 0.0
+                self.lacks(joint) > 0.0
                     || self.tensions[joint] < TAUT
                     || (joint + self.steps).is_multiple_of(IN_TURN)
                     || self.step.h == 0.0
             };
             if *near || joint < droppers && in_turn() {
-                lane.watched.push(joint);
+                watched.push(joint);
             } else {
                 self.joint_rates[joint] = f64::NAN;
             }
         }
+        self.lane_mut().watched = watched;
     }
 
     /// Looks at the chosen droppers and supports. Prepares the forces that take back the dampers of

@@ -315,10 +315,9 @@ fn add_motions(
 
 /// First half of a step of lines that go together.
 fn begin(lanes: &mut [&mut Lane]) {
+    // One that all had in common is free to be used again when nobody has it.
     let taken = lanes.iter_mut().filter_map(|lane| lane.pass.take());
-    // The last of those that all had in common is free to be used again.
-    let mut pass = None;
-    taken.for_each(|taken| pass = Some(taken));
+    let pass = taken.fold(None, |_, taken| Some(taken));
     let first = &mut *lanes[0];
     let (arch, modes, wires) = (first.arch, Arc::clone(&first.modes), Arc::clone(&first.wires));
     let room = || Arc::new(Pass::new(&modes, wires.curves.len()));

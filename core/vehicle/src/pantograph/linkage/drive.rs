@@ -53,9 +53,7 @@ impl Linkage {
     /// # Errors
     /// No such joint, or one that does not raise the strip.
     pub(in crate::pantograph) fn moment_on(&self, name: &str, input: usize) -> Result<JointMoment, VehicleError> {
-        let is_meant =
-            |joint: &scene::Joint| matches!(joint.kind, scene::JointKind::Revolute { .. }) && joint.name() == name;
-        let number = self.entry.joints.iter().position(is_meant);
+        let number = self.entry.revolute(name);
         let number = number.ok_or_else(|| VehicleError::UnknownJoint { name: name.to_owned() })?;
         let ratio = self.borne_by(number)?;
         if ratio.abs() < RAISES {

@@ -14,7 +14,7 @@ use super::Linkage;
 use crate::VehicleError;
 use crate::multibody::{AxialSpring, DeadForce, Pose};
 use crate::pantograph::{Equilibrium, Pantograph, Target};
-use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, State, Weights, rotation};
+use dynamics::{Constraint, Force, JacobianRows, Layout, Marker, State, Weights, dense, rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Accepted residual relative to the largest force on the mechanism; rounding is four orders below.
@@ -96,7 +96,7 @@ fn stiffness(linkage: &mut Linkage, state: &State, contact: &DVector<f64>) -> DM
     let n = state.q.len();
     let motion = state.motion(&[]);
     let weights = Weights { q: 1.0, v: 0.0 };
-    let mut add = |blocks: &mut Blocks<'_>| {
+    dense(n, &mut |blocks| {
         linkage.forces(&mut |force| force.add_tangent(&motion, weights, blocks));
         let mut first = 0;
         for joint in linkage.joints() {
@@ -109,13 +109,7 @@ fn stiffness(linkage: &mut Linkage, state: &State, contact: &DVector<f64>) -> DM
                 load.add_tangent(&motion, weights, blocks);
             }
         }
-    };
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let places: Vec<u32> = places.iter().map(|(row, column)| row + column * n as u32).collect();
-    let mut matrix = DMatrix::zeros(n, n);
-    add(&mut Blocks::add_to(&places, matrix.as_mut_slice()));
-    matrix
+    })
 }
 
 /// True where the strips' slope can change with their mean height and the suspension as they are: `∂a/∂q` is then no
