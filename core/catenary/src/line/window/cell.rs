@@ -1,14 +1,12 @@
 //! A span far from the strips, reduced to its supports, to the elongations of its droppers and to its lowest modes.
 use super::elongations::Elongations;
 use super::end_layers::EndLayers;
-use super::modes::{Envelope, lowest_modes, product};
+use super::modes::Kept;
+use super::part::Part;
 use super::places::SpanPlaces;
 use dynamics::SparseMatrix;
-use nalgebra::{DMatrix, DVector};
-
-/// Number of modes that are evaluated side by side; the rows of a span's interface are padded with zeros to whole
-/// groups.
-pub(super) const GROUP: usize = 8;
+use nalgebra::DVector;
+use std::ops::Range;
 
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
@@ -23,22 +21,11 @@ pub(super) struct SpanMatrices {
     pub layers: EndLayers,
     /// Coordinates that are held, of wires that end in the span.
     pub held: Vec<usize>,
-    /// For each coordinate, true if it is along the track.
-    pub longitudinal: Vec<bool>,
+    /// Axis of each coordinate: 0 along the track, 1 across, 2 up; none for a bending layer.
+    pub axes: Vec<Option<usize>>,
 }
 
-/// A span reduced by fixed-interface modes [Craig & Bampton 1968]:
-///
-/// ```text
-/// q_f = Φₛ s + Φₘ η,    Φₛ = −K_ff⁻¹ K_fs,    K_ff Φₘ = M_ff Φₘ Ω²,    Φₘᵀ M_ff Φₘ = 1
-/// ```
-///
-/// The interface `s` are the supports, left one first, and the elongations of droppers with dampers. Static answers to
-/// motions of the interface are exact, tension and sag included; waves are carried up to the frequency of the last
-/// mode. The droppers are taut. Dampers of droppers act on the interface alone, as exactly as the springs: on modes
-/// that stretch droppers the dampers would couple all modes, and more strongly than any other coupling where `ω c` is
-/// above `k`, as on the thesis' line. The modes have the damping of the wires, whose weak coupling between modes is
-/// left out.
+/// A reduced span: of each tension length there, which nothing couples to the others, a [`Part`].
 #[derive(Debug)]
 pub(super) struct Cell {
     /// All coordinates of the span.
@@ -46,30 +33,10 @@ pub(super) struct Cell {
     elongations: Elongations,
     layers: EndLayers,
     places: SpanPlaces,
-    /// Interface among the coordinates of the span, and the remaining coordinates between the supports, `f`.
+    /// Interface among the coordinates of the span: the supports, left one first, and the elongations of droppers with
+    /// dampers.
     interface: Vec<usize>,
-    inner: Vec<usize>,
-    /// `Φₛ`.
-    shapes: DMatrix<f64>,
-    /// `Φₘ`.
-    modes: DMatrix<f64>,
-    /// `M_ff Φₘ`.
-    weighted_modes: DMatrix<f64>,
-    /// Stiffness on the interface.
-    pub stiffness: DMatrix<f64>,
-    pub damping: DMatrix<f64>,
-    pub mass: DMatrix<f64>,
-    /// `ω²` of each mode, 1/s².
-    pub squares: Vec<f64>,
-    /// Damping of each mode, 1/s.
-    pub mode_damping: Vec<f64>,
-    /// Damping between interface (rows) and modes.
-    pub damping_coupling: DMatrix<f64>,
-    pub mass_coupling: DMatrix<f64>,
-    /// Stiffness, damping and mass in groups of rows, each group column by column.
-    pub dense: Vec<Grouped<3>>,
-    /// Couplings, damping, then mass, in groups of modes, each group row by row, padded with zeros.
-    pub couplings: Vec<Grouped<2>>,
+    pub parts: Vec<Part>,
 }
 
 /// Motion between the supports of a span.
@@ -79,128 +46,62 @@ pub(super) struct Between {
     pub inner: Vec<f64>,
 }
 
-/// Numbers for each member of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(super) struct Grouped<const COUNT: usize>(pub [[f64; GROUP]; COUNT]);
-
-impl<const COUNT: usize> Grouped<COUNT> {
-    /// Numbers `of(row, member)` of the group that begins with member `first`.
-    pub fn new(first: usize, of: impl Fn(usize, usize) -> f64) -> Self {
-        Self(std::array::from_fn(|kind| {
-            std::array::from_fn(|lane| of(kind, first + lane))
-        }))
-    }
-}
-
 impl Cell {
-    /// Reduces a span to `count` modes: the first `longitudinal` ones along the track among the lowest `searched`, and
-    /// the lowest others. `None` where its inner stiffness is not positive definite.
-    pub fn new(span: SpanMatrices, count: usize, (searched, longitudinal): (usize, usize)) -> Option<Self> {
+    /// Reduces a span of `beside` tension lengths to modes, as many of each. `None` where its inner stiffness is not
+    /// positive definite.
+    pub fn new(span: SpanMatrices, beside: usize, kept: Kept) -> Option<Self> {
         let size = span.stiffness.size();
         let supports = span.places.supports.concat();
         let interface: Vec<usize> = supports.into_iter().chain(span.elongations.places()).collect();
-        let mut place = vec![None; size];
-        for (row, &index) in interface.iter().enumerate() {
-            place[index] = Some(row);
+        let mut is_free = vec![false; size];
+        is_free[span.places.inner[0].clone()].fill(true);
+        for &index in interface.iter().chain(&span.held) {
+            is_free[index] = false;
         }
-        let between = span.places.inner[0].clone();
-        let free = |index: &usize| place[*index].is_none() && !span.held.contains(index);
-        let inner: Vec<usize> = between.filter(free).collect();
-        let mut number = vec![0; size];
-        inner.iter().enumerate().for_each(|(i, &index)| number[index] = i);
-        let place = |index: usize| place[index].map_or((true, number[index]), |row| (false, row));
-        let held = |index: usize| span.held.contains(&index);
-        let (count_f, count_s) = (inner.len(), interface.len().next_multiple_of(GROUP));
-        let split = |matrix: &SparseMatrix| -> (SparseMatrix, DMatrix<f64>, DMatrix<f64>) {
-            let matrix = span.elongations.transform(matrix);
-            let mut ff = Vec::new();
-            let (mut fs, mut ss) = (DMatrix::zeros(count_f, count_s), DMatrix::zeros(count_s, count_s));
-            for row in (0..size).filter(|&row| !held(row)) {
-                for (column, value) in matrix.row(row).filter(|&(column, _)| !held(column)) {
-                    match (place(row), place(column)) {
-                        ((true, i), (true, j)) => ff.push((i as u32, j as u32, value)),
-                        ((true, i), (false, j)) => fs[(i, j)] += value,
-                        ((false, i), (false, j)) => ss[(i, j)] += value,
-                        ((false, _), (true, _)) => {}
-                    }
-                }
-            }
-            (SparseMatrix::from_entries(count_f, ff), fs, ss)
+        let matrices = [&span.stiffness, &span.damping, &span.mass].map(|matrix| span.elongations.transform(matrix));
+        let mut apart = uncoupled(&matrices, |index| is_free[index] || interface.contains(&index));
+        apart.retain(|coordinates| coordinates.iter().any(|&index| is_free[index]));
+        // Another number than that of tension lengths has another cause: one part is right whatever it is.
+        let (apart, kept) = if apart.len() == beside {
+            (apart, kept)
+        } else {
+            (vec![(0..size).collect()], kept.times(beside))
         };
-        let (k_ff, k_fs, k_ss) = split(&span.stiffness);
-        let (d_ff, d_fs, d_ss) = split(&span.damping);
-        let (m_ff, m_fs, m_ss) = split(&span.mass);
-        let factor = Envelope::factor(&k_ff)?;
-        let mut shapes = -k_fs.clone();
-        for column in 0..count_s {
-            factor.solve(shapes.column_mut(column).as_mut_slice());
-        }
-        let (modes, squares) = lowest_modes((&k_ff, &factor), &m_ff, searched.max(count));
-        let along = inner.iter().map(|&index| f64::from(u8::from(span.longitudinal[index])));
-        let along = DVector::from_iterator(count_f, along);
-        let order = longitudinal_first(
-            &(modes.component_mul(&product(&m_ff, &modes)).tr_mul(&along)),
-            longitudinal,
-            count,
-        );
-        let (modes, squares) = (
-            modes.select_columns(&order),
-            order.iter().map(|&mode| squares[mode]).collect::<Vec<_>>(),
-        );
-        // Products, not `tr_mul`: see `lowest_modes`.
-        let reduced = |ff: &SparseMatrix, fs: &DMatrix<f64>, ss: &DMatrix<f64>| {
-            let inner = product(ff, &shapes);
-            let cross = fs.transpose() * &shapes;
-            let sum = ss + &cross + cross.transpose() + shapes.transpose() * &inner;
-            let sum = (&sum + sum.transpose()) * 0.5;
-            (sum, (fs + inner).transpose() * &modes)
-        };
-        let (stiffness, _) = reduced(&k_ff, &k_fs, &k_ss);
-        let (damping, damping_coupling) = reduced(&d_ff, &d_fs, &d_ss);
-        let (mass, mass_coupling) = reduced(&m_ff, &m_fs, &m_ss);
-        let (of_interface, of_couplings) = ([&stiffness, &damping, &mass], [&damping_coupling, &mass_coupling]);
-        let pairs = |groups: usize| (0..groups).flat_map(|group| (0..count_s).map(move |other| (GROUP * group, other)));
-        let dense = pairs(count_s / GROUP)
-            .map(|(rows, column)| Grouped::new(rows, |kind, row| of_interface[kind][(row, column)]))
-            .collect();
-        let coupling =
-            |kind: usize, row: usize, mode: usize| of_couplings[kind].get((row, mode)).copied().unwrap_or(0.0);
-        let couplings = pairs(modes.ncols().div_ceil(GROUP))
-            .map(|(modes, row)| Grouped::new(modes, |kind, mode| coupling(kind, row, mode)))
-            .collect();
-        let damped = product(&d_ff, &modes);
-        let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));
+        let parts = apart.iter().map(|coordinates| {
+            let rows = (0..interface.len()).filter(|&row| coordinates.contains(&interface[row]));
+            let inner = coordinates.iter().copied().filter(|&index| is_free[index]);
+            Part::new(
+                &matrices,
+                &interface,
+                (rows.collect(), inner.collect()),
+                &span.axes,
+                kept,
+            )
+        });
         Some(Self {
+            parts: parts.collect::<Option<_>>()?,
             size,
             elongations: span.elongations,
             layers: span.layers,
-            mode_damping: mode_damping.collect(),
-            weighted_modes: product(&m_ff, &modes),
             places: span.places,
             interface,
-            inner,
-            shapes,
-            modes,
-            stiffness,
-            damping,
-            mass,
-            squares,
-            dense,
-            couplings,
-            damping_coupling,
-            mass_coupling,
         })
+    }
+
+    /// Divides the modes of the span among its parts.
+    pub fn by_part(&self, modes: Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
+        let each = modes.len() / self.parts.len();
+        (0..self.parts.len()).map(move |part| modes.start + part * each..modes.start + (part + 1) * each)
     }
 
     /// Motion between the supports from that of the interface and of the first modes.
     pub fn expand(&self, interface: &[f64], modes: &[f64]) -> Between {
-        let s = DVector::from_column_slice(interface);
-        let modes = DVector::from_column_slice(modes);
-        let inner = self.shapes.columns(0, s.len()) * &s + self.modes.columns(0, modes.len()) * modes;
         let mut values = vec![0.0; self.size];
-        for (&index, value) in self.inner.iter().zip(&inner).chain(self.interface.iter().zip(&s)) {
-            values[index] = *value;
+        for (&index, &value) in self.interface.iter().zip(interface) {
+            values[index] = value;
+        }
+        for (part, modes_of) in self.parts.iter().zip(self.by_part(0..modes.len())) {
+            part.expand(interface, &modes[modes_of], &mut values);
         }
         self.elongations.displace(&mut values);
         self.layers.follow(&mut values);
@@ -211,38 +112,62 @@ impl Cell {
         }
     }
 
-    /// Elongations, and the modes' share by mass, of a motion at and between the supports.
-    pub fn project(&self, supports: &[f64], inner: &[f64]) -> (Vec<f64>, DVector<f64>) {
+    /// Elongations, and for each part the modes' share by mass, of a motion at and between the supports.
+    pub fn project(&self, supports: &[f64], inner: &[f64]) -> (Vec<f64>, Vec<DVector<f64>>) {
         let mut values = vec![0.0; self.size];
         values[self.places.inner[0].clone()].copy_from_slice(inner);
         self.elongations.measure(&mut values);
         for (&index, value) in self.interface.iter().zip(supports) {
             values[index] = *value;
         }
-        let of = |places: &[usize]| DVector::from_iterator(places.len(), places.iter().map(|&index| values[index]));
-        let interface = of(&self.interface);
-        let rest = of(&self.inner) - self.shapes.columns(0, interface.len()) * &interface;
-        (
-            interface.as_slice()[supports.len()..].to_vec(),
-            self.weighted_modes.tr_mul(&rest),
-        )
+        let interface: Vec<f64> = self.interface.iter().map(|&index| values[index]).collect();
+        let shares = self.parts.iter().map(|part| part.project(&interface, &values));
+        (interface[supports.len()..].to_vec(), shares.collect())
     }
 }
 
-/// Longitudinal modes of a span of one tension length that come before all others: the first two of each wire.
-pub(super) const LONGITUDINAL: usize = 4;
+/// Sets of coordinates, each ascending, that no entry of a matrix couples to one another, of those that `counts`.
+fn uncoupled(matrices: &[SparseMatrix; 3], counts: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+    let size = matrices[0].size();
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    let mut seen: Vec<bool> = (0..size).map(|index| !counts(index)).collect();
+    for first in 0..size {
+        if std::mem::replace(&mut seen[first], true) {
+            continue;
+        }
+        let mut set = vec![first];
+        let mut next = 0;
+        while let Some(&index) = set.get(next) {
+            next += 1;
+            for (column, _) in matrices.iter().flat_map(|matrix| matrix.row(index)) {
+                if !std::mem::replace(&mut seen[column], true) {
+                    set.push(column);
+                }
+            }
+        }
+        set.sort_unstable();
+        found.push(set);
+    }
+    found
+}
 
-/// Numbers of the `count` modes that are kept, in their order: of all modes by ascending frequency the `shares` of
-/// their mass that move along the track.
-///
-/// Tension changes run along the line at kilometres per second, as waves longer than the spans far beyond the
-/// frequencies of the contact force. With the quasi-static shape alone the mass of a span would stand at its supports,
-/// and these waves would be too fast.
-fn longitudinal_first(shares: &DVector<f64>, longitudinal: usize, count: usize) -> Vec<usize> {
-    let along: Vec<usize> = (0..shares.len())
-        .filter(|&mode| shares[mode] > 0.5)
-        .take(longitudinal)
-        .collect();
-    let others = (0..shares.len()).filter(|mode| !along.contains(mode));
-    along.iter().copied().chain(others).take(count).collect()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_chains_are_two_sets_and_what_does_not_count_divides() {
+        let chain = |links: &[(u32, u32)]| {
+            let entries = links
+                .iter()
+                .flat_map(|&(i, j)| [(i, i, 2.0), (i, j, -1.0), (j, i, -1.0), (j, j, 2.0)]);
+            SparseMatrix::from_entries(6, entries.collect())
+        };
+        let matrices = [chain(&[(0, 2), (1, 3)]), chain(&[(2, 4)]), chain(&[(3, 5)])];
+        assert_eq!(uncoupled(&matrices, |_| true), [vec![0, 2, 4], vec![1, 3, 5]]);
+        assert_eq!(
+            uncoupled(&matrices, |index| index != 2),
+            [vec![0], vec![1, 3, 5], vec![4]]
+        );
+    }
 }

@@ -1,14 +1,17 @@
 //! The spans far from the strips as one contribution.
-use super::cell::{Cell, GROUP, Grouped};
+use super::cell::Cell;
+use super::part::{GROUP, Grouped, Part};
 use dynamics::{Blocks, ByRange, Force, Motion, OnePass, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A reduced span in the coordinates of the system.
+/// A part of a reduced span in the coordinates of the system.
 pub(super) struct Member {
-    pub cell: Arc<Cell>,
-    /// Coordinates of its interface, see [`Cell`].
+    cell: Arc<Cell>,
+    /// Number of the part in its cell.
+    part: usize,
+    /// Coordinates of its interface, see [`Part`].
     pub interface: Vec<usize>,
     /// Coordinates of the modes that are kept.
     pub modes: Range<usize>,
@@ -40,42 +43,60 @@ pub(super) struct FarField {
 }
 
 impl Member {
-    /// A span with damping `sponge` (1/s) added to its modes.
-    pub fn new(cell: Arc<Cell>, interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
+    /// The parts of a span, with damping `sponge` (1/s) added to its modes.
+    pub fn of_span(
+        cell: &Arc<Cell>,
+        interface: &[usize],
+        modes: Range<usize>,
+        sponge: f64,
+    ) -> impl Iterator<Item = Self> {
+        cell.by_part(modes).enumerate().map(move |(part, modes)| {
+            let rows = cell.parts[part].rows.iter().map(|&row| interface[row]);
+            Self::new((Arc::clone(cell), part), rows.collect(), modes, sponge)
+        })
+    }
+
+    fn new((cell, part): (Arc<Cell>, usize), interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
+        let of_part = &cell.parts[part];
         let own = (0..modes.len()).step_by(GROUP).map(|first| {
             Grouped::new(first, |kind, i| match kind {
                 _ if i >= modes.len() => 0.0,
-                0 => cell.squares[i],
-                _ => cell.mode_damping[i] + sponge,
+                0 => of_part.squares[i],
+                _ => of_part.mode_damping[i] + sponge,
             })
         });
         Self {
             own: own.collect(),
-            at_interface: vec![[0.0; 4]; cell.stiffness.nrows()],
+            at_interface: vec![[0.0; 4]; of_part.stiffness.nrows()],
+            part,
             cell,
             interface,
             modes,
         }
     }
 
+    fn part(&self) -> &Part {
+        &self.cell.parts[self.part]
+    }
+
     fn add_constant(&self, blocks: &mut Blocks<'_>, scratch: &mut Vec<f64>, [k, d, m]: [f64; 3]) {
-        let cell = &self.cell;
+        let part = self.part();
         let size = self.interface.len();
         scratch.clear();
         // The matrices are symmetric and stored column by column.
         for row in 0..size {
             for column in 0..size {
                 let at = (column, row);
-                scratch.push(k * cell.stiffness[at] + d * cell.damping[at] + m * cell.mass[at]);
+                scratch.push(k * part.stiffness[at] + d * part.damping[at] + m * part.mass[at]);
             }
         }
         blocks.add(&self.interface, &self.interface, scratch);
         for (i, mode) in self.modes.clone().enumerate() {
-            let couplings = cell
+            let couplings = part
                 .damping_coupling
                 .column(i)
                 .into_iter()
-                .zip(cell.mass_coupling.column(i));
+                .zip(part.mass_coupling.column(i));
             scratch.clear();
             scratch.extend(
                 couplings
@@ -113,7 +134,7 @@ impl Member {
             *value = [motion.q[index], motion.v[index], a, 0.0];
         }
         Arch::new().dispatch(AddForce::<N> {
-            cell: &self.cell,
+            part: &self.cell.parts[self.part],
             range: self.modes.clone(),
             own: &self.own,
             at_interface: &mut self.at_interface,
@@ -126,14 +147,14 @@ impl Member {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let cell = &self.cell;
+        let part = self.part();
         let mut energy = 0.0;
         for (column, &from) in self.interface.iter().enumerate() {
             for (row, &to) in self.interface.iter().enumerate() {
-                energy += 0.5 * cell.stiffness[(row, column)] * motion.q[from] * motion.q[to];
+                energy += 0.5 * part.stiffness[(row, column)] * motion.q[from] * motion.q[to];
             }
         }
-        let modes = self.modes.clone().zip(&cell.squares);
+        let modes = self.modes.clone().zip(&part.squares);
         energy
             + modes
                 .map(|(mode, square)| 0.5 * square * motion.q[mode].powi(2))
@@ -143,7 +164,7 @@ impl Member {
 
 /// The force of a span, `N` rows of its interface at a time.
 struct AddForce<'a, const N: usize> {
-    cell: &'a Cell,
+    part: &'a Part,
     /// Coordinates of the modes.
     range: Range<usize>,
     own: &'a [Grouped<2>],
@@ -195,7 +216,7 @@ impl<const N: usize> AddForce<'_, N> {
         let (group, part) = (first / GROUP, first % GROUP / S::F64_LANES);
         // Three chains of additions in place of one.
         let mut sums = [simd.splat_f64s(0.0); 3];
-        let columns = &self.cell.dense[group * rows..(group + 1) * rows];
+        let columns = &self.part.dense[group * rows..(group + 1) * rows];
         for (Grouped(matrices), [q, v, a, _]) in columns.iter().zip(&*self.at_interface) {
             for (sum, (matrix, value)) in sums.iter_mut().zip(matrices.iter().zip([q, v, a])) {
                 *sum = simd.mul_add_e_f64s(S::as_simd_f64s(matrix).0[part], simd.splat_f64s(*value), *sum);
@@ -244,7 +265,7 @@ impl<const N: usize> AddForce<'_, N> {
         let rows = self.at_interface.len();
         let couplings: [&[Grouped<2>]; W] = std::array::from_fn(|w| {
             let start = (group + w) * rows + first;
-            &self.cell.couplings[start..start + N]
+            &self.part.couplings[start..start + N]
         });
         for i in 0..N {
             let [_, v, a, _] = self.at_interface[first + i];

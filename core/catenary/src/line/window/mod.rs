@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The window is a line of a few spans cut out of the static state. The spans beyond its ends are linear and reduced to
-//! their supports, the elongations of droppers with dampers, and modes ([`cell`]): the lowest ones and the first
-//! longitudinal ones. A reduced span is far cheaper than a full one, carries waves of the frequencies of interest
+//! their supports, the elongations of droppers with dampers, and modes ([`cell`]): the first ones along and across the
+//! track and the lowest others. A reduced span is far cheaper than a full one, carries waves of the frequencies of interest
 //! without reflection, and keeps the line's longitudinal elasticity and mass, which the contact force depends on. Each
 //! reduced span has its halves of the bending layers at its supports. On short lines these cells reach the true ends.
 //! Long lines have a fixed number of cells, with damping that grows with the distance and, at the last support,
@@ -27,6 +27,7 @@
 //! elongations  coordinates for the dampers of droppers
 //! end_layers   bending layers at the ends of a span
 //! cell         a reduced span
+//! part         that of one tension length
 //! far          all reduced spans as one contribution
 //! ends         supports, true ends and absorbing ends
 //! overhead     the windowed line as an overhead line
@@ -42,6 +43,7 @@ mod ends;
 mod far;
 mod modes;
 mod overhead;
+mod part;
 mod places;
 mod plan;
 mod transfer;
@@ -53,13 +55,15 @@ use crate::{
     Dimension, Line, LinearLine, NodeOfWire, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology,
     Wire, WireName,
 };
-use cell::{Cell, LONGITUDINAL, SpanMatrices};
+use cell::{Cell, SpanMatrices};
+
 pub(crate) use cut::Source;
 use dynamics::{Blocks, Continuity, Layout, Motion, SparseMatrix, Weights};
 use elongations::Elongations;
 use end_layers::EndLayers;
 use ends::held_at_end;
 use far::{FarField, Member};
+use modes::{APART, Kept};
 use places::SpanPlaces;
 use plan::{Arrangement, ModeCounts, Plan};
 use scene::{Catenary, Reduction, Scene};
@@ -372,15 +376,15 @@ impl WindowedLine {
             .clone()
             .filter(|span| !arrangement.window.contains(span))
         {
-            let cell = Arc::clone(fixed.cell(span));
             let modes = arrangement.modes[span - arrangement.modelled.start].clone();
             let supports = [span, span + 1]
                 .into_iter()
                 .filter_map(|support| arrangement.support(&self.places, support));
             let elongations = arrangement.elongations[span - arrangement.modelled.start].clone();
-            let interface = supports.flatten().chain(elongations);
+            let interface: Vec<usize> = supports.flatten().chain(elongations).collect();
             let sponge = fixed.sponge(arrangement, span);
-            far.members.push(Member::new(cell, interface.collect(), modes, sponge));
+            far.members
+                .extend(Member::of_span(fixed.cell(span), &interface, modes, sponge));
         }
         let mut used = vec![false; fixed.coordinates.len()];
         let window = first..first + count;
@@ -504,15 +508,17 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let modes_up_to = |frequency: f64| -> usize {
         let lengths = wires.iter().map(|&wire| (wire, longest)).chain(stitch_wire);
         let per_wire = lengths.map(|(wire, length)| (2.0 * length * frequency / wire.wave_speed()).ceil() as usize);
-        (directions * per_wire.sum::<usize>() + LONGITUDINAL).min(all)
+        per_wire.sum::<usize>()
     };
+    let kept = |frequency: f64| (modes_up_to(frequency) + directions * APART).min(all);
     let along = wires
         .iter()
         .map(|wire| (wire.axial_stiffness / wire.mass_per_length).sqrt());
     let second_longitudinal = along.fold(0.0, f64::max) / longest;
     let slower = wires.iter().map(|wire| wire.wave_speed()).fold(f64::INFINITY, f64::min);
     let shift = (1.0 - scene.run.speed / slower).max(1e-3);
-    let far = modes_up_to(FAR_BAND * scene.run.low_pass_hz);
+    let far = kept(FAR_BAND * scene.run.low_pass_hz);
+    let band = (BAND / shift).max(FAR_BAND) * scene.run.low_pass_hz;
     let plan = Plan {
         spans: repeat.spans,
         window,
@@ -521,9 +527,9 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
         reach: REACH,
         near: NEAR,
         modes: ModeCounts {
-            near: modes_up_to(BAND * scene.run.low_pass_hz / shift).max(far),
+            near: kept(band),
             far,
-            searched: modes_up_to(1.2 * second_longitudinal),
+            searched: kept(band.max(1.2 * second_longitudinal)),
         },
         beside,
         at_support: at_supports(&source).into_iter().max().unwrap_or(0),
@@ -578,8 +584,12 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
         if known.is_none() {
             let matrices = matrices(&source, span, elongations);
             let beside = plan.beside(span);
-            let searched = (beside * plan.modes.searched, beside * LONGITUDINAL);
-            let cell = Cell::new(matrices, beside * modes, searched);
+            let kept = Kept {
+                count: modes,
+                searched: plan.modes.searched,
+                apart: APART,
+            };
+            let cell = Cell::new(matrices, beside, kept);
             let cell = cell.ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
             cells.push(Arc::new(cell));
@@ -618,14 +628,17 @@ fn matrices(source: &Source<'_>, span: usize, elongations: usize) -> SpanMatrice
     let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
     let layers = EndLayers::eliminate(&places.layers.concat(), [&mut stiffness, &mut damping, &mut mass]);
     let wires = line.wires().iter().map(Wire::geometry);
-    let mut longitudinal = vec![false; size];
-    let maps = wires.flat_map(|wire| wire.nodes()).map(|node| node.map);
-    for index in maps.flat_map(|map| [map.position(0), map.slope(0)]).flatten() {
-        longitudinal[index] = true;
+    let mut axes = vec![None; size];
+    for map in wires.flat_map(|wire| wire.nodes()).map(|node| node.map) {
+        for axis in 0..3 {
+            for index in [map.position(axis), map.slope(axis)].into_iter().flatten() {
+                axes[index] = Some(axis);
+            }
+        }
     }
     SpanMatrices {
         places,
-        longitudinal,
+        axes,
         elongations: Elongations::new(line.droppers().gradients(&motion).take(elongations)),
         layers,
         held,

@@ -1,6 +1,6 @@
 //! The lowest modes of a span held at its supports.
 use dynamics::SparseMatrix;
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Factor `A = L Lᵀ` of a symmetric positive definite matrix, each row stored from its first entry on: a span numbered
 /// along the track has a narrow band.
@@ -69,6 +69,89 @@ impl Envelope {
                 *x -= l * value;
             }
         }
+    }
+}
+
+/// Modes of a span of one tension length along the track, and as many across it, that are kept whatever their
+/// frequency: the first two of each wire.
+pub(super) const APART: usize = 4;
+
+/// Share of its mass with which a direction stays behind while the modes of others are searched: none, but for a mass
+/// matrix that stays definite.
+const FOLLOWS: f64 = 1e-6;
+
+/// Choice of the modes of a span.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kept {
+    /// Number of modes that are kept.
+    pub count: usize,
+    /// Lowest modes among which they are found.
+    pub searched: usize,
+    /// Modes along, and modes across the track that are kept whatever their frequency.
+    pub apart: usize,
+}
+
+impl Kept {
+    /// The choice of a part of several such spans beside each other.
+    pub fn times(self, beside: usize) -> Self {
+        Self {
+            count: beside * self.count,
+            searched: beside * self.searched,
+            apart: beside * self.apart,
+        }
+    }
+
+    /// Modes of `K φ = ω² M φ` in their order, columns `φ` with `φᵀ M φ = 1`, and `ω²`: the first ones along the track,
+    /// then the others by ascending frequency. `along` and `across` are one at the coordinates of the direction, zero
+    /// elsewhere.
+    ///
+    /// Tension changes run along the line at kilometres per second, as waves longer than the spans far beyond the
+    /// frequencies of the contact force. With the quasi-static shape alone the mass of a span would stand at its
+    /// supports, and these waves would be too fast.
+    ///
+    /// Waves across the track hardly lift a wire, so that the modes up and along the track are those of a line whose
+    /// wires follow across the track without inertia; the first modes across join them, and all together are made
+    /// modes of the span [Rayleigh & Ritz]. Modes of the whole span would not do: a wire swings equally fast up and
+    /// across, so that each of its modes is both.
+    pub fn modes(
+        self,
+        (stiffness, factor): (&SparseMatrix, &Envelope),
+        mass: &SparseMatrix,
+        [along, across]: [&DVector<f64>; 2],
+    ) -> (DMatrix<f64>, Vec<f64>) {
+        let is_spatial = across.amax() > 0.0;
+        let of_others = if is_spatial { self.apart } else { 0 };
+        let searched = self.searched.max(self.count) - of_others;
+        let one_after_another = |(modes, squares): (DMatrix<f64>, Vec<f64>), count: usize| {
+            let shares = modes.component_mul(&product(mass, &modes)).tr_mul(along);
+            let first = (0..shares.len()).filter(|&mode| shares[mode] > 0.5).take(self.apart);
+            let first: Vec<usize> = first.collect();
+            let others = (0..shares.len()).filter(|mode| !first.contains(mode));
+            let order: Vec<usize> = first.iter().copied().chain(others).take(count).collect();
+            let squares = order.iter().map(|&mode| squares[mode]).collect();
+            (modes.select_columns(&order), squares)
+        };
+        if !is_spatial {
+            let found = lowest_modes((stiffness, factor), mass, searched);
+            return one_after_another(found, self.count);
+        }
+        let weighted = |weight: &dyn Fn(usize) -> f64| {
+            let entries = (0..mass.size()).flat_map(|row| {
+                let entries = mass.row(row);
+                entries.map(move |(column, value)| (row as u32, column as u32, value * weight(row) * weight(column)))
+            });
+            SparseMatrix::from_entries(mass.size(), entries.collect())
+        };
+        let still = FOLLOWS.sqrt();
+        let up = weighted(&|index| if across[index] > 0.0 { still } else { 1.0 });
+        let sideways = weighted(&|index| if across[index] > 0.0 { 1.0 } else { still });
+        let up = lowest_modes((stiffness, factor), &up, searched);
+        let (up, _) = one_after_another(up, self.count - of_others);
+        let (sideways, _) = lowest_modes((stiffness, factor), &sideways, of_others);
+        let all = DMatrix::from_columns(&up.column_iter().chain(sideways.column_iter()).collect::<Vec<_>>());
+        let turned = all.transpose();
+        let (turn, squares) = diagonalise(&(&turned * product(stiffness, &all)), &(&turned * product(mass, &all)));
+        one_after_another((all * turn, squares), self.count)
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) struct ModeCounts {
     pub near: usize,
     /// Modes of a span further away.
     pub far: usize,
-    /// Lowest modes among which the longitudinal ones are found.
+    /// Lowest modes among which those that are kept are found.
     pub searched: usize,
 }
 

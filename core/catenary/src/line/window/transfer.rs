@@ -4,6 +4,7 @@ use super::plan::Arrangement;
 use super::{Fixed, coordinates_per_node};
 use crate::NodeOfWire;
 use dynamics::State;
+use std::ops::Range;
 
 /// An arrangement and the positions of the coordinates of its window.
 pub(super) type Placed<'a> = (&'a Arrangement, &'a SpanPlaces);
@@ -63,13 +64,17 @@ impl Fixed {
             } else if let Some((own_elongations, own_modes)) = to.own(span) {
                 if let Some(before) = before {
                     let before: Vec<f64> = before.collect();
-                    let (stretched, share) = self.cell(span).project(&supports(), &before);
-                    let places = own_elongations.chain(own_modes);
-                    for (index, value) in places.zip(stretched.into_iter().chain(share.iter().copied())) {
+                    let (stretched, shares) = self.cell(span).project(&supports(), &before);
+                    let shares = self.cell(span).by_part(own_modes).zip(&shares);
+                    let of_modes = shares.flat_map(|(modes, share)| modes.zip(share.iter().copied()));
+                    for (index, value) in own_elongations.zip(stretched).chain(of_modes) {
                         values[index] = value;
                     }
                 } else {
-                    for (index, before) in own_elongations.zip(elongations).chain(own_modes.zip(modes)) {
+                    let of_part = |modes: Range<usize>| self.cell(span).by_part(modes);
+                    let modes = of_part(own_modes).zip(of_part(modes));
+                    let modes = modes.flat_map(|(own, before)| own.zip(before));
+                    for (index, before) in own_elongations.zip(elongations).chain(modes) {
                         values[index] = old(before);
                     }
                 }
