@@ -83,9 +83,8 @@ struct LinearPart {
     rows: Vec<Range<usize>>,
     /// The other rows of contributions that evaluate ranges; each range includes the gaps between its rows.
     evaluated: Vec<Range<usize>>,
-    /// `A_o`, and the rows of it that are not empty.
+    /// `A_o`.
     others: SparseMatrix,
-    occupied: Vec<usize>,
 }
 
 /// The indices for which `selected` holds, as ranges that are ascending and apart.
@@ -145,7 +144,6 @@ impl LinearPart {
             own,
             rows,
             others: SparseMatrix::default(),
-            occupied: Vec::new(),
         })
     }
 
@@ -160,8 +158,6 @@ impl LinearPart {
         });
         entries.retain(|entry| self.own[entry.0 as usize]);
         self.others = SparseMatrix::from_entries(system.layout().coordinates(), entries);
-        let occupied = (0..self.others.size()).filter(|&row| self.others.row(row).next().is_some());
-        self.occupied = occupied.collect();
     }
 
     /// Residual of the linear contributions after a correction; `others` holds that of the other ones before it.
@@ -171,9 +167,7 @@ impl LinearPart {
                 *left = -other;
             }
         }
-        for &row in &self.occupied {
-            local[row] += self.others.row_product(row, correction.change);
-        }
+        self.others.multiply_add(correction.change, local);
         for (row, z) in correction.forces.iter().enumerate() {
             // The multiplier of a border lies behind the coordinates.
             let own = |index: usize| self.own.get(index).is_some_and(|own| *own);

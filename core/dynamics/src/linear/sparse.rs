@@ -6,6 +6,8 @@ pub struct SparseMatrix {
     starts: Vec<usize>,
     columns: Vec<u32>,
     values: Vec<f64>,
+    /// Rows with entries: matrices of a few contributions are empty in most rows.
+    occupied: Vec<u32>,
 }
 
 impl SparseMatrix {
@@ -39,7 +41,9 @@ impl SparseMatrix {
             }
             starts.push(columns.len());
         }
+        let occupied = (0..size as u32).filter(|&row| starts[row as usize] < starts[row as usize + 1]);
         Self {
+            occupied: occupied.collect(),
             starts,
             columns,
             values,
@@ -50,6 +54,11 @@ impl SparseMatrix {
     #[must_use]
     pub fn size(&self) -> usize {
         self.starts.len().saturating_sub(1)
+    }
+
+    /// The rows that have entries, ascending.
+    pub fn occupied(&self) -> impl Iterator<Item = usize> + '_ {
+        self.occupied.iter().map(|&row| row as usize)
     }
 
     /// The entries of one row as (column, value).
@@ -63,15 +72,15 @@ impl SparseMatrix {
 
     /// `y += A x`.
     pub fn multiply_add(&self, x: &[f64], y: &mut [f64]) {
-        for (row, target) in y.iter_mut().enumerate().take(self.size()) {
-            *target += self.row_product(row, x);
+        for row in self.occupied() {
+            y[row] += self.row_product(row, x);
         }
     }
 
     /// `y −= A x`.
     pub fn multiply_subtract(&self, x: &[f64], y: &mut [f64]) {
-        for (row, target) in y.iter_mut().enumerate().take(self.size()) {
-            *target -= self.row_product(row, x);
+        for row in self.occupied() {
+            y[row] -= self.row_product(row, x);
         }
     }
 
@@ -107,7 +116,7 @@ impl SparseMatrix {
     /// `xᵀ A x`.
     #[must_use]
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        (0..self.size()).map(|row| x[row] * self.row_product(row, x)).sum()
+        self.occupied().map(|row| x[row] * self.row_product(row, x)).sum()
     }
 }
 
