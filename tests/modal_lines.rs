@@ -8,6 +8,7 @@ use simulation::Mode;
 use system::equilibrium::wire_height;
 
 const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const OVERLAP: &str = include_str!("../scenes/overlap.toml");
 const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
 
 /// Five spans, and two seconds over three of them.
@@ -48,6 +49,28 @@ fn a_planar_line_in_its_modes_is_the_linearised_one() {
     let words = ["\"planar\", \"linearised\"", "\"modal\""];
     let difference = difference(EN_300, words, &[MESH]);
     assert!(difference < 2.5, "{difference} %");
+}
+
+/// A wire does not yield where its end is held: a strip that is exactly there feels what one beside it does.
+#[test]
+fn a_strip_under_the_end_of_a_second_wire_is_like_one_beside_it() {
+    // The second wire begins at 240 m, where the strip is after 720 steps.
+    let from = |start: &str| {
+        let overrides = [
+            "model.reduce=[\"planar\", \"modal\"]",
+            "run.duration=1.2",
+            "run.evaluate={time=[0.3,1.1]}",
+            "run.output_step=0.001",
+            "coupling.macro_step=0.001",
+            "solver.micro_step=0.001",
+            MESH,
+            start,
+        ];
+        run(scene_with(OVERLAP, &overrides), Mode::Monolithic, "modal-end")
+    };
+    let [exact, beside] = ["run.start_x=200.0", "run.start_x=200.01"].map(from);
+    let difference = exact.filtered_difference(&beside) / beside.sigma();
+    assert!(difference < 0.02, "{difference}");
 }
 
 /// Slack droppers and the move of the strip are followed within steps, so that steps of 2 ms hardly tell.

@@ -9,8 +9,6 @@ use hdrhistogram::Histogram;
 const LONGEST: u64 = 1_000_000_000_000;
 /// Digits of a time that are kept.
 const DIGITS: u8 = 3;
-/// Time before a step is due that is spent awake, as sleeping threads wake late.
-const AWAKE: Duration = Duration::from_micros(300);
 
 /// Wall times of macro steps, in constant memory.
 #[derive(Clone, Debug)]
@@ -48,10 +46,7 @@ impl StepTimes {
     pub fn begin(&mut self, t: f64) {
         if self.paced {
             let due = *self.start.get_or_insert_with(Instant::now) + Duration::from_secs_f64(t);
-            let left = due.saturating_duration_since(Instant::now());
-            if left > AWAKE {
-                std::thread::sleep(left - AWAKE);
-            }
+            // Awake, as on a core that is kept for the simulation: threads that sleep wake late, with cold caches.
             while Instant::now() < due {
                 std::hint::spin_loop();
             }

@@ -10,6 +10,9 @@ use pulp::Arch;
 /// Stiffness that holds a point under a strip beyond the wire, N/m.
 pub(super) const HELD: f64 = 1e5;
 
+/// Least compliance of a point under a strip, m/N: a wire does not yield at all where its end is held.
+const STIFFEST: f64 = 1e-8;
+
 /// Modes at a place of the wire: `φₖ` and `∂φₖ/∂s`.
 struct Shapes {
     /// Parameter on the wire, m; not a number where none is known.
@@ -156,7 +159,8 @@ impl Pass {
             for (j, other) in self.points.iter().enumerate() {
                 self.compliance[i * count + j] = if point.on && other.on {
                     let [of_modes] = kernels::dots(arch, point.shape(), [&other.by_force[0]]);
-                    of_modes + modes.residual_between_points(&point.columns, &other.columns)
+                    let sum = of_modes + modes.residual_between_points(&point.columns, &other.columns);
+                    if i == j { sum.max(STIFFEST) } else { sum }
                 } else if i == j {
                     1.0 / HELD
                 } else {
