@@ -219,10 +219,10 @@ const THROUGH_THE_OVERLAP: [&str; 4] = [
 
 #[test]
 fn a_window_passes_an_overlap_of_two_tension_lengths() {
-    // In the plane the share that the expected error of a run has for such a window.
-    for (words, most) in [("\"linearised\"", 0.3), ("\"planar\", \"linearised\"", 1.5)] {
+    // Numbers of modes follow from wave speeds: on a mesh as coarse as this one they reach less high than elsewhere.
+    for words in ["\"linearised\"", "\"planar\", \"linearised\""] {
         let difference = windowed(OVERLAP, words, &THROUGH_THE_OVERLAP);
-        assert!(difference < most, "{words}: {difference} %");
+        assert!(difference < 0.6, "{words}: {difference} %");
     }
 }
 
