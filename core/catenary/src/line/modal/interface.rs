@@ -468,13 +468,10 @@ impl StepHistory for Interface {
             let own = repaying.next_if(|(repaying, _)| *repaying == joint);
             own.map_or(f64::NAN, |(_, force)| *force)
         }));
-        let modes = [&lane.q, &lane.v, &lane.r];
-        out.extend(
-            modes
-                .into_iter()
-                .flat_map(|values| values.iter().copied())
-                .map(f64::from),
-        );
+        // One after another: a single iterator over all would be asked for each number.
+        for values in [&lane.q, &lane.v, &lane.r] {
+            out.extend(values.iter().map(|&value| f64::from(value)));
+        }
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {

@@ -88,7 +88,9 @@ impl Lacking {
     /// Writes all that the next step goes by.
     pub fn save(&self, out: &mut Vec<f64>) {
         out.push(self.h);
-        out.extend(self.last.iter().chain([&self.excess]).flatten());
+        for values in self.last.iter().chain([&self.excess]) {
+            out.extend_from_slice(values);
+        }
     }
 
     /// See [`Lacking::save`].
