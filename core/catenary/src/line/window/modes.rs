@@ -301,6 +301,43 @@ mod tests {
         }
     }
 
+    /// A string that swings equally fast up and across, whose modes are therefore any mixture of both.
+    #[test]
+    fn of_a_string_in_space_all_modes_up_and_the_first_across_are_kept() {
+        let n = 60;
+        let in_space = |plane: &SparseMatrix| {
+            let entries = (0..n).flat_map(|row| plane.row(row).map(move |(column, value)| (row, column, value)));
+            // Coordinate 2 i is across and 2 i + 1 up; a weak coupling mixes them.
+            let entries = entries.flat_map(|(i, j, value)| {
+                let mixed = 1e-9 * value;
+                let place = |i: usize, axis: usize| (2 * i + axis) as u32;
+                [(0, 0, value), (1, 1, value), (0, 1, mixed), (1, 0, mixed)]
+                    .map(|(a, b, value)| (place(i, a), place(j, b), value))
+            });
+            SparseMatrix::from_entries(2 * n, entries.collect())
+        };
+        let (stiffness, mass) = string(n as u32);
+        let (stiffness, mass) = (in_space(&stiffness), in_space(&mass));
+        let factor = Envelope::factor(&stiffness).unwrap();
+        let across = DVector::from_fn(2 * n, |i, _| f64::from(u8::from(i % 2 == 0)));
+        let kept = Kept {
+            count: 12,
+            searched: 12,
+            apart: 4,
+        };
+        let along = DVector::zeros(2 * n);
+        let (shapes, squares) = kept.modes((&stiffness, &factor), &mass, [&along, &across]);
+        // The first four both up and across, then four more up.
+        let order = [1, 1, 2, 2, 3, 3, 4, 4, 5, 6, 7, 8];
+        for (k, square) in order.into_iter().zip(&squares) {
+            let angle = f64::from(k) * std::f64::consts::PI / (2 * n + 2) as f64;
+            let exact = 4.0 * angle.sin().powi(2);
+            assert!((square / exact - 1.0).abs() < 1e-4, "mode {k}: {square} {exact}");
+        }
+        let shares = shapes.component_mul(&shapes).tr_mul(&across);
+        assert!(shares.rows(8, 4).amax() < 1e-6, "{shares}");
+    }
+
     #[test]
     fn a_matrix_that_is_not_definite_has_no_factor() {
         let matrix = SparseMatrix::from_entries(2, vec![(0, 0, 1.0), (0, 1, 2.0), (1, 0, 2.0), (1, 1, 1.0)]);
