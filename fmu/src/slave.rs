@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub const SCENE_RESOURCE: &str = "scene.toml";
 
 /// Choices of the importer.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Choices {
     /// Path of another scene, empty for the packaged one.
     scene_path: String,
@@ -25,6 +25,32 @@ struct Choices {
     early_inputs: Vec<Option<f64>>,
     /// Derivatives of orders 1 to 3 of these inputs, set since the values.
     early_derivatives: Vec<[f64; ORDERS]>,
+}
+
+impl Clone for Choices {
+    fn clone(&self) -> Self {
+        let mut choices = Self::default();
+        choices.clone_from(self);
+        choices
+    }
+
+    /// A state that is saved again and again keeps its memory.
+    fn clone_from(&mut self, other: &Self) {
+        let Self {
+            scene_path,
+            scene_text,
+            parameters,
+            settings,
+            early_inputs,
+            early_derivatives,
+        } = other;
+        self.scene_path.clone_from(scene_path);
+        self.scene_text.clone_from(scene_text);
+        self.parameters.clone_from(parameters);
+        self.settings.clone_from(settings);
+        self.early_inputs.clone_from(early_inputs);
+        self.early_derivatives.clone_from(early_derivatives);
+    }
 }
 
 /// Orders of input derivatives that are followed.

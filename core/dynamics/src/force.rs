@@ -32,6 +32,11 @@ pub trait Force: Send {
     /// Adds `Q(t, q, v, u)` to `force` (one entry per generalised velocity; N, N·m).
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]);
 
+    /// False if `Q` does not depend on the inputs `u`: a jump of the inputs then asks nothing of this contribution.
+    fn depends_on_inputs(&self) -> bool {
+        true
+    }
+
     /// Adds the dense blocks of `S` that belong into the factored matrix.
     ///
     /// The blocks must come in the same order and with the same indices in every call: the pattern is analysed once.

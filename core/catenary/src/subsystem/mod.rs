@@ -237,6 +237,15 @@ impl Subsystem {
     /// # Errors
     /// See [`StepError`]; the state is then as before.
     pub fn advance_to(&mut self, t: f64, h: f64) -> Result<(), StepError> {
+        // An internal step that fails takes itself back: only steps before it have to be kept.
+        if self.simulator.micro_steps(h) == 1 {
+            let result = self.advance(t, h);
+            self.outputs.fill(None);
+            if result.is_err() {
+                self.refresh_inputs();
+            }
+            return result;
+        }
         let mut before = std::mem::take(&mut self.before);
         self.save_to(&mut before);
         let result = self.advance(t, h);

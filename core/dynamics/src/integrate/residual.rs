@@ -327,7 +327,7 @@ impl Imbalance {
         let force = &mut self.sum[..self.coordinates];
         let mut add = |motion: &Motion<'_>| {
             system.forces(&mut |contribution| {
-                if by_range(contribution).is_none() {
+                if contribution.depends_on_inputs() && by_range(contribution).is_none() {
                     contribution.add_force(motion, force);
                 }
             });

@@ -1,5 +1,5 @@
 //! Ends of joints and springs: on a body or on the base.
-use super::BodyMarker;
+use super::{BodyMarker, Grip};
 use crate::GivenMotion;
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
@@ -53,6 +53,17 @@ pub enum Anchor {
     Body(BodyMarker),
     /// On a given motion.
     Given(GivenMarker),
+}
+
+impl Anchor {
+    /// The anchor now.
+    pub(crate) fn grip(&self, motion: &Motion<'_>) -> Grip {
+        match self {
+            Self::Base(marker) => Grip::fixed(marker.frame(motion)),
+            Self::Body(marker) => marker.grip(motion),
+            Self::Given(marker) => Grip::fixed(marker.frame(motion)),
+        }
+    }
 }
 
 impl Marker for Anchor {

@@ -147,17 +147,74 @@ impl BodyMarker {
     }
 }
 
-impl Marker for BodyMarker {
-    fn frame(&self, motion: &Motion<'_>) -> Frame {
+/// A marker of a body at one instant, on which forces act.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Grip {
+    pub frame: Frame,
+    body: Option<GrippedBody>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct GrippedBody {
+    pose: Pose,
+    /// Body to world.
+    axes: Matrix3<f64>,
+    /// The point from the centre of mass, world axes, m.
+    offset: Vector3<f64>,
+}
+
+impl Grip {
+    /// A marker that no coordinate moves.
+    pub fn fixed(frame: Frame) -> Self {
+        Self { frame, body: None }
+    }
+
+    /// Adds the generalised force of a `force` (N) at `offset` (m, world, from the marker's point): that of
+    /// [`Columns::add_force`], to the last bit.
+    pub fn add_force(&self, force: &Vector3<f64>, offset: &Vector3<f64>, out: &mut [f64]) {
+        let Some(body) = &self.body else { return };
+        let moment = offset.cross(force);
+        for axis in 0..3 {
+            out[body.pose.translation + axis] += force[axis];
+            let turn = body.axes.column(axis).into_owned();
+            out[body.pose.rotation + axis] += turn.cross(&body.offset).dot(force) + turn.dot(&moment);
+        }
+    }
+
+    /// Adds the generalised force of a moment, N·m, world axes.
+    pub fn add_moment(&self, moment: &Vector3<f64>, out: &mut [f64]) {
+        let Some(body) = &self.body else { return };
+        for axis in 0..3 {
+            out[body.pose.rotation + axis] += body.axes.column(axis).dot(moment);
+        }
+    }
+}
+
+impl BodyMarker {
+    /// The marker now.
+    pub(crate) fn grip(&self, motion: &Motion<'_>) -> Grip {
         let axes = self.pose.axes(motion);
         let offset = axes * self.offset;
         let omega_w = axes * self.pose.angular_velocity(motion);
-        Frame {
-            position: self.pose.position(motion) + offset,
-            axes: axes * self.axes,
-            velocity: self.pose.velocity(motion) + omega_w.cross(&offset),
-            angular_velocity: omega_w,
+        Grip {
+            frame: Frame {
+                position: self.pose.position(motion) + offset,
+                axes: axes * self.axes,
+                velocity: self.pose.velocity(motion) + omega_w.cross(&offset),
+                angular_velocity: omega_w,
+            },
+            body: Some(GrippedBody {
+                pose: self.pose,
+                axes,
+                offset,
+            }),
         }
+    }
+}
+
+impl Marker for BodyMarker {
+    fn frame(&self, motion: &Motion<'_>) -> Frame {
+        self.grip(motion).frame
     }
 
     fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {

@@ -102,10 +102,7 @@ impl Constraint for Joint {
     }
 
     fn residual(&self, motion: &Motion<'_>, g: &mut [f64]) {
-        let view = self.pair.view(motion);
-        for (g, &measure) in g.iter_mut().zip(self.equations) {
-            *g = view.value(measure);
-        }
+        self.pair.values(motion, self.equations, g);
     }
 
     fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>) {

@@ -44,6 +44,15 @@ pub(crate) struct PairView {
 }
 
 impl Pair {
+    /// Values of `measures`, one after the other.
+    pub(crate) fn values(&self, motion: &Motion<'_>, measures: &[Measure], values: &mut [f64]) {
+        let (first, second) = (self.first.frame(motion), self.second.frame(motion));
+        let distance = second.position - first.position;
+        for (value, &measure) in values.iter_mut().zip(measures) {
+            *value = measure.value([&first, &second], &distance);
+        }
+    }
+
     /// Frames and columns of both anchors.
     pub(crate) fn view(&self, motion: &Motion<'_>) -> PairView {
         let mut all = Columns::default();
@@ -74,6 +83,17 @@ impl Pair {
     }
 }
 
+impl Measure {
+    /// Value between two frames, the second one at `distance` from the first.
+    fn value(self, [first, second]: [&Frame; 2], distance: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Point(axis) => distance[axis],
+            Self::Along(axis) => PairView::axis(first, axis).dot(distance),
+            Self::Direction(a, b) => PairView::axis(first, a).dot(&PairView::axis(second, b)),
+        }
+    }
+}
+
 impl PairView {
     /// Indices of the generalised velocities, those of the first anchor before those of the second.
     pub(crate) fn indices(&self) -> &[usize] {
@@ -82,6 +102,11 @@ impl PairView {
 
     fn axis(frame: &Frame, number: usize) -> Vector3<f64> {
         frame.axes.column(number).into_owned()
+    }
+
+    /// Value of a measure.
+    pub(crate) fn value(&self, measure: Measure) -> f64 {
+        measure.value([&self.first, &self.second], &self.distance)
     }
 
     fn is_first(&self, k: usize) -> bool {
@@ -93,15 +118,6 @@ impl PairView {
         let column = &self.columns[k];
         let sign = if self.is_first(k) { -1.0 } else { 1.0 };
         (column.rotation, column.translation * sign)
-    }
-
-    /// Value of a measure.
-    pub(crate) fn value(&self, measure: Measure) -> f64 {
-        match measure {
-            Measure::Point(axis) => self.distance[axis],
-            Measure::Along(axis) => Self::axis(&self.first, axis).dot(&self.distance),
-            Measure::Direction(a, b) => Self::axis(&self.first, a).dot(&Self::axis(&self.second, b)),
-        }
     }
 
     /// Derivatives of a measure, one per entry of [`PairView::indices`], zero behind.

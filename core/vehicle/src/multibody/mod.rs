@@ -26,6 +26,7 @@ pub(crate) use anchor::GivenMarker;
 pub use anchor::{Anchor, BaseMarker};
 pub use applied_force::AppliedForce;
 pub(crate) use axial_spring::AxialSpring;
+pub(crate) use body::Grip;
 pub use body::{BodyMarker, Pose, RigidBody};
 pub use bushing::Bushing;
 pub(crate) use bushing::Rates;

@@ -101,6 +101,10 @@ impl CurveInertia {
 }
 
 impl Force for CurveInertia {
+    fn depends_on_inputs(&self) -> bool {
+        false
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let Some(apparent) = self.travel.apparent(motion.t) else {
             return;

@@ -178,6 +178,10 @@ impl RollingWheel {
 }
 
 impl Force for RollingWheel {
+    fn depends_on_inputs(&self) -> bool {
+        false
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.contact.add_force(motion, force);
     }

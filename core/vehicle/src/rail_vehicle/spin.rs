@@ -32,6 +32,10 @@ impl Spin {
 }
 
 impl Force for Spin {
+    fn depends_on_inputs(&self) -> bool {
+        false
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let omega_b = self.pose.angular_velocity(motion);
         let momentum = self.inertia * self.rate(motion);

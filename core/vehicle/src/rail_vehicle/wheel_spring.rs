@@ -81,6 +81,10 @@ impl WheelSpring {
 }
 
 impl Force for WheelSpring {
+    fn depends_on_inputs(&self) -> bool {
+        false
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let mut columns = Columns::default();
         self.pair.second.columns(motion, &mut columns);

@@ -1,6 +1,6 @@
 //! Contact point of wheel and rail: Newton's method on the four surface parameters.
 use super::surface::{SurfacePoint, axes_without_spin};
-use super::{Rail, Wheel};
+use super::{ProfilePoint, Rail, Wheel};
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3, Vector4};
 
 /// The surface parameters of a contact: arc length and profile parameter of the rail (m), angle (rad) and profile
@@ -120,8 +120,9 @@ impl<'a> Pairing<'a> {
     }
 
     fn view(&self, at: &SurfaceParameters) -> View {
-        let rail = self.rail.at(at.s, at.rail, self.from);
-        let wheel = self.wheel.at(&self.axes, at.angle, at.wheel);
+        let profiles = [self.rail.profile.at(at.rail), self.wheel.profile.at(at.wheel)];
+        let rail = self.rail.at(at.s, &profiles[0], self.from);
+        let wheel = self.wheel.at(&self.axes, at.angle, &profiles[1]);
         let [r_s, r_a] = rail.first;
         let [r_ss, r_sa, r_aa] = rail.second;
         let [w_p, w_b] = wheel.first;
@@ -162,6 +163,7 @@ impl<'a> Pairing<'a> {
             normal_rates,
             wheel,
             rail,
+            profiles,
         }
     }
 
@@ -173,13 +175,13 @@ impl<'a> Pairing<'a> {
         let longitudinal = r_s / speed;
         let across = |vector: Vector3<f64>| (vector - longitudinal * longitudinal.dot(&vector)) / speed;
 
-        let profile = self.wheel.profile.at(parameters.wheel);
+        let [of_rail, profile] = &view.profiles;
         let radius = self.wheel.radius - profile.position.y;
         let length = profile.first.norm();
         let cosine = profile.first.x / length;
         let cosine_rate = profile.second.x / length - cosine * profile.first.dot(&profile.second) / (length * length);
         let [of_wheel, wheel_rate] = profile.curvature();
-        let [of_rail, rail_rate] = self.rail.profile.at(parameters.rail).curvature();
+        let [of_rail, rail_rate] = of_rail.curvature();
         Some(ContactPoint {
             parameters,
             lever: view.wheel.position,
@@ -214,6 +216,8 @@ struct View {
     normal_rates: [Vector3<f64>; 2],
     wheel: SurfacePoint,
     rail: SurfacePoint,
+    /// Points of the profiles of rail and wheel.
+    profiles: [ProfilePoint; 2],
 }
 
 impl ContactPoint {

@@ -47,7 +47,7 @@ mod wheel_contact;
 mod wheel_rail;
 
 pub(crate) use contact_point::{ContactPoint, SurfaceParameters};
-pub(crate) use creep_force::{CreepForce, CreepLaw, CreepModel, Fastsim, Patch};
+pub(crate) use creep_force::{CreepLaw, CreepModel, CreepSlopes, Fastsim, Patch};
 pub(crate) use creepage::Creepage;
 pub(crate) use hertz::{Ellipse, Hertz, Material};
 pub(crate) use kalker::KalkerCoefficients;

@@ -41,18 +41,19 @@ pub(super) fn overlaps(
     points: &[Option<ContactPoint>; MAX_CONTACTS],
     valleys: &[Option<ContactPoint>; MAX_CONTACTS],
 ) -> [Option<Overlap>; MAX_CONTACTS] {
-    let mut overlaps = points.map(|point| {
-        point.map(|point| {
+    let mut overlaps = std::array::from_fn(|place| {
+        points[place].as_ref().map(|point| {
             let mut overlap = Overlap {
                 penetration: point.penetration,
                 gradient: [Vector3::zeros(); 2],
             };
-            overlap.add(&point, 1.0);
+            overlap.add(point, 1.0);
             overlap
         })
     });
     for place in 0..MAX_CONTACTS - 1 {
-        let ([Some(first), Some(second)], Some(valley)) = ([points[place], points[place + 1]], valleys[place]) else {
+        let ([Some(first), Some(second)], Some(valley)) = ([&points[place], &points[place + 1]], &valleys[place])
+        else {
             continue;
         };
         let v = valley.penetration;
@@ -64,9 +65,9 @@ pub(super) fn overlaps(
             let (p, q) = (own.penetration - v, other.penetration - v);
             if let Some(overlap) = &mut overlaps[index] {
                 overlap.penetration -= v * q / sum;
-                overlap.add(&own, v * q / (sum * sum));
-                overlap.add(&other, -v * p / (sum * sum));
-                overlap.add(&valley, -q / sum - v * (q - p) / (sum * sum));
+                overlap.add(own, v * q / (sum * sum));
+                overlap.add(other, -v * p / (sum * sum));
+                overlap.add(valley, -q / sum - v * (q - p) / (sum * sum));
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Candidates for contact: local minima of the distance over the width of the profiles.
 use super::contact_point::{ContactPoint, Pairing, SurfaceParameters};
-use super::{Profile, ProfilePoint, RailFrame};
+use super::{Profile, ProfilePoint, RailFrame, Wheel};
 use nalgebra::Vector3;
+use pulp::Arch;
 
 /// Distance of the samples of a profile, m.
 const STEP: f64 = 5e-4;
@@ -24,10 +25,24 @@ pub(crate) struct Found {
 /// Both profiles sampled, for the search.
 #[derive(Clone, Debug)]
 pub(crate) struct Search {
-    wheel: Vec<(f64, ProfilePoint)>,
+    wheel: WheelSamples,
     rail: Vec<RailSample>,
     /// Outward coordinate of the first sample of the rail, m.
     first: f64,
+    arch: Arch,
+}
+
+/// Samples of a wheel's profile, in lists that are read side by side.
+#[derive(Clone, Debug)]
+struct WheelSamples {
+    /// m.
+    sigma: Vec<f64>,
+    /// Slope of the profile, –; not a number where the profile turns back.
+    slope: Vec<f64>,
+    /// y of the circle along the axle to the left, m.
+    aside: Vec<f64>,
+    /// Radius of the circle, m.
+    radius: Vec<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -36,28 +51,44 @@ struct RailSample {
     up: f64,
 }
 
-/// A sample of the wheel over the rail.
-#[derive(Clone, Copy, Debug)]
-struct Gap {
-    height: f64,
+/// Samples of the wheel that are looked at together.
+const LOOK: usize = 64;
+
+/// Consecutive samples of the wheel over the rail.
+struct View {
+    /// Number of the first one.
+    start: usize,
     /// Tilt of the outline's point from the lowest one.
-    sine: f64,
-    /// Forward along the rail, m.
-    forward: f64,
-    /// σ of the rail and the wheel, m.
-    rail: f64,
-    wheel: f64,
+    sine: [f64; LOOK],
+    /// The point from the rail, world axes, m.
+    point: [[f64; LOOK]; 3],
+    /// Place on the rail in steps of the samples, and height above the level of the rail's origin, m.
+    place: [f64; LOOK],
+    level: [f64; LOOK],
+    /// Height over the rail, m; not a number beyond the rail or the outline.
+    height: [f64; LOOK],
 }
 
 impl Search {
-    pub fn new(wheel: &Profile, rail: &Profile) -> Self {
-        let [start, end] = wheel.range();
+    pub fn new(wheel: &Wheel, rail: &Profile) -> Self {
+        let [start, end] = wheel.profile.range();
         let count = ((end - start) / STEP).ceil().max(2.0);
-        let sample = |i: f64| start + (end - start) * i / count;
-        let wheel = (0..=count as usize)
-            .map(|i| sample(i as f64))
-            .map(|sigma| (sigma, wheel.at(sigma)))
+        let sigma: Vec<f64> = (0..=count as usize)
+            .map(|i| start + (end - start) * i as f64 / count)
             .collect();
+        let list = |of: &dyn Fn(ProfilePoint) -> f64| sigma.iter().map(|&sigma| of(wheel.profile.at(sigma))).collect();
+        let wheel = WheelSamples {
+            slope: list(&|point| {
+                if point.first.x > 0.0 {
+                    -point.first.y / point.first.x
+                } else {
+                    f64::NAN
+                }
+            }),
+            aside: list(&|point| wheel.side.sign() * (wheel.distance + point.position.x)),
+            radius: list(&|point| wheel.radius - point.position.y),
+            sigma,
+        };
         let [start, end] = rail.range();
         let first = rail.at(start).position.x;
         let width = rail.at(end).position.x - first;
@@ -71,7 +102,12 @@ impl Search {
                 up: point.position.y,
             })
             .collect();
-        Self { wheel, rail, first }
+        Self {
+            wheel,
+            rail,
+            first,
+            arch: Arch::new(),
+        }
     }
 
     /// All contact points at a position; `s` is the arc length near the wheelset.
@@ -82,19 +118,23 @@ impl Search {
     pub fn contacts(&self, pairing: &Pairing<'_>, s: f64) -> Found {
         let outline = Outline::new(self, pairing, s);
         let mut found = Candidates::default();
-        let mut before: [Option<Gap>; 2] = [None, None];
-        for sample in &self.wheel {
-            let next = outline.gap(sample);
-            if let [Some(first), Some(middle)] = before
-                && let Some(last) = next
-                && middle.height < first.height
-                && middle.height <= last.height
-                && middle.height < FOLLOWED
-                && let Some(point) = pairing.solve(&outline.start(&middle))
-            {
-                found.insert(point);
+        let mut view = View::default();
+        let (mut start, count) = (0, self.wheel.sigma.len());
+        // Views share two samples: each sample but the first and the last one is within one of them.
+        while start + 2 < count {
+            let size = LOOK.min(count - start);
+            outline.look(start, size, &mut view);
+            for (i, height) in view.height[..size].windows(3).enumerate() {
+                // Comparisons with a height that is not a number fail.
+                if height[1] < height[0]
+                    && height[1] <= height[2]
+                    && height[1] < FOLLOWED
+                    && let Some(point) = pairing.solve(&outline.start(&view, i + 1))
+                {
+                    found.insert(point);
+                }
             }
-            before = [before[1], next];
+            start += LOOK - 2;
         }
         let mut found = found.into_found();
         for place in 0..MAX_CONTACTS - 1 {
@@ -107,16 +147,24 @@ impl Search {
 
     /// Point of least overlap between two points on the wheel.
     fn valley(&self, pairing: &Pairing<'_>, outline: &Outline<'_>, between: [f64; 2]) -> Option<SurfaceParameters> {
-        let [first, last] = between.map(|sigma| self.wheel.partition_point(|sample| sample.0 <= sigma));
-        let mut highest: Option<Gap> = None;
-        for sample in &self.wheel[first..last] {
-            let gap = outline.gap(sample)?;
-            if highest.is_none_or(|highest| highest.height < gap.height) {
-                highest = Some(gap);
+        let [first, last] = between.map(|sigma| self.wheel.sigma.partition_point(|sample| *sample <= sigma));
+        let mut highest: Option<(f64, SurfaceParameters)> = None;
+        let mut view = View::default();
+        for start in (first..last).step_by(LOOK) {
+            let size = LOOK.min(last - start);
+            outline.look(start, size, &mut view);
+            for i in 0..size {
+                let height = view.height[i];
+                if height.is_nan() {
+                    return None;
+                }
+                if highest.is_none_or(|(highest, _)| highest < height) {
+                    highest = Some((height, outline.start(&view, i)));
+                }
             }
         }
-        let highest = highest.filter(|highest| highest.height < FOLLOWED)?;
-        let point = pairing.solve(&outline.start(&highest))?.parameters;
+        let (_, start) = highest.filter(|(height, _)| *height < FOLLOWED)?;
+        let point = pairing.solve(&start)?.parameters;
         (point.wheel > between[0] && point.wheel < between[1]).then_some(point)
     }
 }
@@ -161,44 +209,88 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Height of a sample of the wheel over the rail; none beyond the rail or the outline.
-    fn gap(&self, (sigma, profile): &(f64, ProfilePoint)) -> Option<Gap> {
-        let sine = -profile.first.y / profile.first.x * self.lateral / self.size;
-        if !(profile.first.x > 0.0 && sine.abs() < 1.0) {
-            return None;
+    /// Looks at `size` samples of the wheel from `start` on.
+    fn look(&self, start: usize, size: usize, view: &mut View) {
+        view.start = start;
+        self.search.arch.dispatch(
+            #[inline(always)]
+            || self.trace(start, size, view),
+        );
+        let rail = &self.search.rail;
+        for i in 0..size {
+            view.height[i] = f64::NAN;
+            // The outline ends where its normal would have to point along the rail.
+            if !(view.sine[i].abs() < 1.0 && view.place[i] >= 0.0) {
+                continue;
+            }
+            let left = view.place[i] as usize;
+            if let Some(pair) = rail.get(left..left.saturating_add(2)) {
+                let up = pair[0].up + (view.place[i] - left as f64) * (pair[1].up - pair[0].up);
+                view.height[i] = view.level[i] - up;
+            }
         }
-        let (axes, wheel) = (&self.pairing.axes, self.pairing.wheel);
-        let side = wheel.side.sign();
-        let cosine = (1.0 - sine * sine).sqrt();
-        let radial = self.lowest[0] * sine - self.lowest[1] * cosine;
-        let point = self.pairing.middle - self.frame.position
-            + axes.column(1) * (side * (wheel.distance + profile.position.x))
-            + radial * (wheel.radius - profile.position.y);
-        let outward = side * self.frame.axes.column(1).dot(&point);
-        let place = (outward - self.search.first) / STEP;
-        let left = place.floor();
-        if left < 0.0 {
-            return None;
-        }
-        let pair = self.search.rail.get(left as usize..left as usize + 2)?;
-        let part = place - left;
-        let up = pair[0].up + part * (pair[1].up - pair[0].up);
-        Some(Gap {
-            height: self.frame.axes.column(2).dot(&point) - up,
-            sine,
-            forward: self.along.dot(&point),
-            rail: pair[0].sigma + part * (pair[1].sigma - pair[0].sigma),
-            wheel: *sigma,
-        })
     }
 
-    /// Start of the search for a contact.
-    fn start(&self, gap: &Gap) -> SurfaceParameters {
+    /// Points of the outline, and places on the rail.
+    #[inline(always)]
+    fn trace(&self, start: usize, size: usize, view: &mut View) {
+        let samples = &self.search.wheel;
+        let range = start..start + size;
+        let (slope, aside, radius) = (
+            &samples.slope[range.clone()],
+            &samples.aside[range.clone()],
+            &samples.radius[range],
+        );
+        let list = |vector: Vector3<f64>| [vector.x, vector.y, vector.z];
+        let middle = list(self.pairing.middle - self.frame.position);
+        let axle = list(self.pairing.axes.column(1).into_owned());
+        let [outward, upward] = [1, 2].map(|axis| list(self.frame.axes.column(axis).into_owned()));
+        let [forward, down] = self.lowest.map(list);
+        let (lateral, along, first) = (self.lateral, self.size, self.search.first);
+        let side = self.pairing.wheel.side.sign();
+        let [x, y, z] = &mut view.point;
+        let (sine, place, level) = (&mut view.sine[..size], &mut view.place[..size], &mut view.level[..size]);
+        let (x, y, z) = (&mut x[..size], &mut y[..size], &mut z[..size]);
+        for i in 0..size {
+            let tilt = slope[i] * lateral / along;
+            let cosine = (1.0 - tilt * tilt).sqrt();
+            let at = |axis: usize| {
+                let radial = forward[axis] * tilt - down[axis] * cosine;
+                middle[axis] + axle[axis] * aside[i] + radial * radius[i]
+            };
+            let point = [at(0), at(1), at(2)];
+            let dot = |axis: [f64; 3]| axis[0] * point[0] + axis[1] * point[1] + axis[2] * point[2];
+            sine[i] = tilt;
+            [x[i], y[i], z[i]] = point;
+            place[i] = (side * dot(outward) - first) / STEP;
+            level[i] = dot(upward);
+        }
+    }
+
+    /// Start of the search for a contact, at a sample that has a height.
+    fn start(&self, view: &View, i: usize) -> SurfaceParameters {
+        let [x, y, z] = &view.point;
+        let forward = self.along.dot(&Vector3::new(x[i], y[i], z[i]));
+        let left = view.place[i] as usize;
+        let [before, after] = [self.search.rail[left].sigma, self.search.rail[left + 1].sigma];
         SurfaceParameters {
-            s: self.s + gap.forward / self.frame.direction.norm(),
-            rail: gap.rail,
-            angle: gap.sine.asin() + self.tilt,
-            wheel: gap.wheel,
+            s: self.s + forward / self.frame.direction.norm(),
+            rail: before + (view.place[i] - left as f64) * (after - before),
+            angle: view.sine[i].asin() + self.tilt,
+            wheel: self.search.wheel.sigma[view.start + i],
+        }
+    }
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            start: 0,
+            sine: [0.0; LOOK],
+            point: [[0.0; LOOK]; 3],
+            place: [0.0; LOOK],
+            level: [0.0; LOOK],
+            height: [f64::NAN; LOOK],
         }
     }
 }

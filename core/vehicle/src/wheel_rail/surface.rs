@@ -1,5 +1,5 @@
 //! Wheels as surfaces of revolution, rails as profiles swept along a line.
-use super::Profile;
+use super::{Profile, ProfilePoint};
 use dynamics::rotation::skew;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
@@ -54,13 +54,12 @@ pub(crate) fn axes_without_spin(axis: &Vector3<f64>) -> Matrix3<f64> {
 
 impl Wheel {
     /// Point relative to the middle of the wheelset, world axes; parameters: the angle φ (rad) from straight down,
-    /// forward, and the profile's σ (m).
+    /// forward, and the profile's σ (m), given by its point there.
     ///
     /// ```text
     /// r = ±(b + y(σ)) e_y + (R − z(σ)) (sin φ e_x − cos φ e_z)
     /// ```
-    pub(crate) fn at(&self, axes: &Matrix3<f64>, phi: f64, sigma: f64) -> SurfacePoint {
-        let profile = self.profile.at(sigma);
+    pub(crate) fn at(&self, axes: &Matrix3<f64>, phi: f64, profile: &ProfilePoint) -> SurfacePoint {
         let (sine, cosine) = phi.sin_cos();
         let (forward, up) = (axes.column(0), axes.column(2));
         let radial = forward * sine - up * cosine;
@@ -165,14 +164,13 @@ pub struct Rail {
 }
 
 impl Rail {
-    /// Point seen `from` there; parameters: arc length s (m) and the profile's σ (m).
+    /// Point seen `from` there; parameters: arc length s (m) and the profile's σ (m), given by its point there.
     ///
     /// ```text
     /// r = p(s) + A(s) (0, ±y(σ), z(σ))
     /// ```
-    pub(crate) fn at(&self, s: f64, sigma: f64, from: f64) -> SurfacePoint {
+    pub(crate) fn at(&self, s: f64, profile: &ProfilePoint, from: f64) -> SurfacePoint {
         let frame = self.line.frame(s, from);
-        let profile = self.profile.at(sigma);
         let to_world = |vector: nalgebra::Vector2<f64>| {
             frame.axes.column(1) * (self.side.sign() * vector.x) + frame.axes.column(2) * vector.y
         };

@@ -2,7 +2,7 @@
 use super::creepage::Sliding;
 use super::overlap::Overlap;
 use super::wheel_rail::WheelRailParts;
-use super::{ContactPoint, CreepForce, Creepage, Ellipse, Patch};
+use super::{ContactPoint, CreepSlopes, Creepage, Ellipse, Patch};
 use dynamics::Frame;
 use nalgebra::Vector3;
 
@@ -18,7 +18,7 @@ pub struct WheelContact {
     /// N.
     pub normal_force: f64,
     /// Creep force along and across the rolling direction (N), moment about the normal (N·m).
-    pub creep: CreepForce,
+    pub creep: [f64; 3],
     /// Counted penetration of contacts that share a patch, m.
     pub penetration: f64,
     /// Force in the axes of the track at the wheelset, N.
@@ -42,27 +42,22 @@ pub(super) struct Change {
 impl WheelContact {
     /// Contact at a point of largest overlap, of a wheelset that moves as `frame` says (with all of the spin); none for
     /// separated surfaces.
-    pub(super) fn new(parts: &WheelRailParts, point: ContactPoint, overlap: Overlap, frame: &Frame) -> Option<Self> {
+    pub(super) fn new(parts: &WheelRailParts, point: &ContactPoint, overlap: Overlap, frame: &Frame) -> Option<Self> {
         let penetration = overlap.penetration;
         if penetration <= 0.0 {
             return None;
         }
-        let sliding = Sliding::new(&point, frame, parts.slowest);
+        let sliding = Sliding::new(point, frame, parts.slowest);
         let rate = -point.normal.dot(&sliding.velocity);
         let ellipse = parts.hertz.contact(penetration, point.curvature.into());
         let normal_force = (ellipse.force + parts.damping * penetration * rate).max(0.0);
-        let patch = Patch {
-            along: ellipse.along,
-            across: ellipse.across,
-            normal_force,
-        };
-        let creep = parts.creep.force(&sliding.creepage, &patch);
-        let [along, across, about] = creep.components;
+        let creep = parts.creep.force(&sliding.creepage, &patch(&ellipse, normal_force));
+        let [along, across, about] = creep;
         let force = point.normal * normal_force + sliding.forward * along + sliding.lateral * across;
         Some(Self {
             creepage: sliding.creepage,
             moment: point.lever.cross(&force) + point.normal * about,
-            point,
+            point: *point,
             penetration,
             ellipse,
             normal_force,
@@ -74,8 +69,21 @@ impl WheelContact {
         })
     }
 
-    /// Change of force and moment with a change of the wheelset's motion `frame` (with all of the spin).
-    pub(super) fn change(&self, parts: &WheelRailParts, frame: &Frame, by: &Change) -> [Vector3<f64>; 2] {
+    /// Derivatives of the creep forces.
+    pub(super) fn creep_slopes(&self, parts: &WheelRailParts) -> CreepSlopes {
+        parts
+            .creep
+            .slopes(&self.creepage, &patch(&self.ellipse, self.normal_force))
+    }
+
+    /// Change of force and moment with a change of the wheelset's motion `frame` (with all of the spin), from the
+    /// derivatives of the creep forces.
+    pub(super) fn change(
+        &self,
+        (parts, slopes): (&WheelRailParts, &CreepSlopes),
+        frame: &Frame,
+        by: &Change,
+    ) -> [Vector3<f64>; 2] {
         if self.normal_force == 0.0 {
             return [Vector3::zeros(); 2];
         }
@@ -110,11 +118,11 @@ impl WheelContact {
             normal_force,
         ];
         let creep: [f64; 3] = std::array::from_fn(|row| {
-            (self.creep.slopes[row].iter().zip(&inputs))
+            (slopes[row].iter().zip(&inputs))
                 .map(|(slope, input)| slope * input)
                 .sum()
         });
-        let [along, across, about] = self.creep.components;
+        let [along, across, about] = self.creep;
         let force = point.normal * normal_force
             + change.normal * self.normal_force
             + sliding.forward * creep[0]
@@ -126,5 +134,13 @@ impl WheelContact {
             + point.normal * creep[2]
             + change.normal * about;
         [force, moment]
+    }
+}
+
+fn patch(ellipse: &Ellipse, normal_force: f64) -> Patch {
+    Patch {
+        along: ellipse.along,
+        across: ellipse.across,
+        normal_force,
     }
 }

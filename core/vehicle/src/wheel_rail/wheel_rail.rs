@@ -1,6 +1,6 @@
 //! The force of one wheel on its rail.
 use super::contact_point::{ContactPoint, Pairing};
-use super::overlap::overlaps;
+use super::overlap::{Overlap, overlaps};
 use super::search::{Found, MAX_CONTACTS, Search};
 use super::wheel_contact::{Change, WheelContact};
 use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
@@ -78,7 +78,7 @@ impl WheelRail {
     #[must_use]
     pub fn new(parts: WheelRailParts) -> Self {
         Self {
-            search: Search::new(&parts.wheel.profile, &parts.rail.profile),
+            search: Search::new(&parts.wheel, &parts.rail.profile),
             parts,
             start: Start {
                 s: None,
@@ -107,7 +107,7 @@ impl WheelRail {
     /// Contacts at a motion, without those of no force.
     #[must_use]
     pub fn contacts(&self, motion: &Motion<'_>) -> WheelContacts {
-        self.evaluate(&self.place(motion)).0
+        self.contacts_at(&self.place(motion)).0
     }
 
     /// Sum of the forces of the rail on the wheel, N, in the axes of the track under the wheelset: along the track, to
@@ -174,19 +174,32 @@ impl WheelRail {
     }
 
     /// The contacts, and the start of the next search.
-    fn evaluate(&self, place: &WheelsetPosition) -> (WheelContacts, Start) {
-        let frame = &place.frame;
+    fn contacts_at(&self, place: &WheelsetPosition) -> (WheelContacts, Start) {
+        let mut contacts = [None; MAX_CONTACTS];
+        let start = self.evaluate(place, &mut |number, contact| contacts[number] = Some(contact));
+        (contacts, start)
+    }
+
+    /// Calls `see` for each contact; returns the start of the next search.
+    fn evaluate(&self, place: &WheelsetPosition, see: &mut dyn FnMut(usize, WheelContact)) -> Start {
         let pairing = self.pairing(place);
-        let (points, start) = match self.start.s.and_then(|_| follow(&pairing, &self.start)) {
-            Some(followed) => followed,
-            None => {
-                let start = self.search(&pairing, place);
-                follow(&pairing, &start).unwrap_or((Points::default(), start))
+        let mut points = Points::default();
+        let followed = self.start.s.and_then(|_| points.follow(&pairing, &self.start));
+        let start = followed.unwrap_or_else(|| {
+            let start = self.search(&pairing, place);
+            points.follow(&pairing, &start).unwrap_or_else(|| {
+                points = Points::default();
+                start
+            })
+        });
+        for (number, (point, overlap)) in points.highest.iter().zip(points.overlaps()).enumerate() {
+            if let (Some(point), Some(overlap)) = (point, overlap)
+                && let Some(contact) = WheelContact::new(&self.parts, point, overlap, &place.frame)
+            {
+                see(number, contact);
             }
-        };
-        let overlaps = overlaps(&points.highest, &points.valleys);
-        let contact = |place: usize| WheelContact::new(&self.parts, points.highest[place]?, overlaps[place]?, frame);
-        (std::array::from_fn(contact), start)
+        }
+        start
     }
 }
 
@@ -197,53 +210,57 @@ struct Points {
     valleys: [Option<ContactPoint>; MAX_CONTACTS],
 }
 
-/// Points of a start at a new position; `None` if one is lost, or two have become one.
-fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<(Points, Start)> {
-    let mut points = Points::default();
-    let mut next = *start;
-    let mut last = f64::NEG_INFINITY;
-    for place in 0..MAX_CONTACTS {
-        let Some(parameters) = &start.found.points[place] else {
-            continue;
-        };
-        let point = pairing.solve(parameters)?;
-        if point.curvature.min() <= 0.0 || point.parameters.wheel <= last {
-            return None;
+impl Points {
+    /// Becomes the points of a start at a new position; `None` if one is lost, or two have become one.
+    fn follow(&mut self, pairing: &Pairing<'_>, start: &Start) -> Option<Start> {
+        *self = Self::default();
+        let mut next = *start;
+        let mut last = f64::NEG_INFINITY;
+        for place in 0..MAX_CONTACTS {
+            let Some(parameters) = &start.found.points[place] else {
+                continue;
+            };
+            let point = self.highest[place].insert(pairing.solve(parameters)?);
+            if point.curvature.min() <= 0.0 || point.parameters.wheel <= last {
+                return None;
+            }
+            last = point.parameters.wheel;
+            next.found.points[place] = Some(point.parameters);
+            let Some(parameters) = &start.found.valleys[place] else {
+                continue;
+            };
+            let valley = self.valleys[place].insert(pairing.solve(parameters)?);
+            if valley.curvature.y >= 0.0 || valley.parameters.wheel <= last {
+                return None;
+            }
+            last = valley.parameters.wheel;
+            next.found.valleys[place] = Some(valley.parameters);
         }
-        last = point.parameters.wheel;
-        next.found.points[place] = Some(point.parameters);
-        points.highest[place] = Some(point);
-        let Some(parameters) = &start.found.valleys[place] else {
-            continue;
-        };
-        let valley = pairing.solve(parameters)?;
-        if valley.curvature.y >= 0.0 || valley.parameters.wheel <= last {
-            return None;
-        }
-        last = valley.parameters.wheel;
-        next.found.valleys[place] = Some(valley.parameters);
-        points.valleys[place] = Some(valley);
+        Some(next)
     }
-    Some((points, next))
+
+    /// Counted penetration of each point.
+    fn overlaps(&self) -> [Option<Overlap>; MAX_CONTACTS] {
+        overlaps(&self.highest, &self.valleys)
+    }
 }
 
 impl Force for WheelRail {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let place = self.place(motion);
-        let (contacts, start) = self.evaluate(&place);
-        self.start = start;
         let columns = self.columns(motion, &place);
-        for contact in contacts.iter().flatten() {
+        self.start = self.evaluate(&place, &mut |_, contact| {
             for column in columns.as_slice() {
                 force[column.index] += column.translation.dot(&contact.force) + column.rotation.dot(&contact.moment);
             }
-        }
+        });
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         let place = self.place(motion);
-        let (contacts, start) = self.evaluate(&place);
+        let (contacts, start) = self.contacts_at(&place);
         self.start = start;
+        let slopes = contacts.map(|contact| contact.map(|contact| contact.creep_slopes(&self.parts)));
         let frame = &place.frame;
         let columns = self.columns(motion, &place);
         // Angular velocity of the travelling frame turns with the frame, not with the body.
@@ -267,8 +284,8 @@ impl Force for WheelRail {
                     + by.translation * weights.v,
                 angular_velocity: by.rotation.cross(&own) * weights.q + by.rotation * weights.v,
             };
-            for contact in contacts.iter().flatten() {
-                let [force, moment] = contact.change(&self.parts, frame, &change);
+            for (contact, slopes) in contacts.iter().flatten().zip(slopes.iter().flatten()) {
+                let [force, moment] = contact.change((&self.parts, slopes), frame, &change);
                 for (k, of) in columns.iter().enumerate() {
                     let mut sum = of.translation.dot(&force) + of.rotation.dot(&moment);
                     if of.rotation != Vector3::zeros() {
@@ -302,10 +319,10 @@ impl Force for WheelRail {
         let axle = frame.axes.column(1);
         let mut power = Power::default();
         let (travel, turn) = place.travelling.motion_of(&frame.position);
-        for contact in self.evaluate(&place).0.iter().flatten() {
+        for contact in self.contacts_at(&place).0.iter().flatten() {
             let (point, sliding) = (&contact.point, &contact.sliding);
-            let by_wheel = contact.force.dot(&sliding.velocity)
-                + contact.creep.components[2] * point.normal.dot(&frame.angular_velocity);
+            let by_wheel =
+                contact.force.dot(&sliding.velocity) + contact.creep[2] * point.normal.dot(&frame.angular_velocity);
             let stored = contact.ellipse.force * contact.rate;
             power.dissipated -= by_wheel + stored;
             power.driven -= contact.force.dot(&travel) + contact.moment.dot(&turn);

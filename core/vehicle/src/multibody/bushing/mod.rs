@@ -1,7 +1,7 @@
 //! Bushings: springs and dampers between two bodies in all six directions.
 use super::measure::{WIDTH, add_square};
 use super::{Characteristic, Measure, Pair};
-use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Weights};
+use dynamics::{Blocks, Force, Frame, Marker, Motion, Weights};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 #[cfg(test)]
@@ -18,6 +18,13 @@ pub struct Rates {
     pub rotational_stiffness: Vector3<f64>,
     /// N·m·s/rad.
     pub rotational_damping: Vector3<f64>,
+}
+
+impl Rates {
+    /// True for a bushing that resists rotations.
+    fn resists_rotation(&self) -> bool {
+        self.rotational_stiffness != Vector3::zeros() || self.rotational_damping != Vector3::zeros()
+    }
 }
 
 /// A spring–damper in six directions between two anchors [Thesis, section 3.1].
@@ -73,7 +80,8 @@ impl Bushing {
         [Measure::Direction(k, j), Measure::Direction(j, k)]
     }
 
-    fn load_between(&self, a: &Frame, b: &Frame) -> (BushingLoad, [Vector3<f64>; 3]) {
+    /// The load, and `∂s_i/∂φ_B` of a bushing that resists rotations.
+    fn load_between(&self, a: &Frame, b: &Frame) -> (BushingLoad, Option<[Vector3<f64>; 3]>) {
         let Rates {
             stiffness,
             damping,
@@ -90,6 +98,15 @@ impl Bushing {
             if let Some(curve) = curve {
                 force[axis] -= curve.at(displacement[axis]).force;
             }
+        }
+        if !self.rates.resists_rotation() {
+            let load = BushingLoad {
+                displacement,
+                force,
+                moment: Vector3::zeros(),
+                dissipated: viscous.dot(&rate),
+            };
+            return (load, None);
         }
         let turns = turns(a, b);
         let relative = b.angular_velocity - a.angular_velocity;
@@ -109,7 +126,7 @@ impl Bushing {
             moment,
             dissipated,
         };
-        (load, turns)
+        (load, Some(turns))
     }
 
     /// Displacements and forces now.
@@ -120,26 +137,23 @@ impl Bushing {
     }
 }
 
-fn add_moment(columns: &Columns, moment: &Vector3<f64>, out: &mut [f64]) {
-    for column in columns.as_slice() {
-        out[column.index] += column.rotation.dot(moment);
-    }
-}
-
 impl Force for Bushing {
+    fn depends_on_inputs(&self) -> bool {
+        false
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let (a, b) = (self.pair.first.frame(motion), self.pair.second.frame(motion));
-        let (load, turns) = self.load_between(&a, &b);
+        let (first, second) = (self.pair.first.grip(motion), self.pair.second.grip(motion));
+        let (a, b) = (&first.frame, &second.frame);
+        let (load, turns) = self.load_between(a, b);
         let along = a.axes * load.force;
-        let about: Vector3<f64> = turns.iter().zip(load.moment.iter()).map(|(turn, m)| turn * *m).sum();
-        let mut columns = Columns::default();
-        self.pair.first.columns(motion, &mut columns);
-        columns.add_force(&-along, &(b.position - a.position), force);
-        add_moment(&columns, &-about, force);
-        columns.clear();
-        self.pair.second.columns(motion, &mut columns);
-        columns.add_force(&along, &Vector3::zeros(), force);
-        add_moment(&columns, &about, force);
+        first.add_force(&-along, &(b.position - a.position), force);
+        second.add_force(&along, &Vector3::zeros(), force);
+        if let Some(turns) = turns {
+            let about: Vector3<f64> = turns.iter().zip(load.moment.iter()).map(|(turn, m)| turn * *m).sum();
+            first.add_moment(&-about, force);
+            second.add_moment(&about, force);
+        }
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {

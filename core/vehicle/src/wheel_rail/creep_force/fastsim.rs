@@ -1,5 +1,5 @@
 //! Kalker's simplified theory.
-use super::dual::Dual;
+use super::dual::Number;
 use super::law::Inputs;
 use std::f64::consts::PI;
 
@@ -27,7 +27,7 @@ impl Fastsim {
     ///
     /// In units of the largest bound and of the semi-axes the tractions depend on four numbers only: the slopes of the
     /// tractions by the two creepages and by the spin across and along.
-    pub(super) fn forces(self, inputs: &Inputs) -> [Dual; 3] {
+    pub(super) fn forces<N: Number>(self, inputs: &Inputs<N>) -> [N; 3] {
         let [x, y, spin] = inputs.creepage;
         let [c11, c22, c23] = inputs.coefficients;
         let (a, b) = (inputs.along, inputs.across);
@@ -41,12 +41,10 @@ impl Fastsim {
             by_spin * b * a.inverse(),
             by_spin,
         ];
-        let sums = self.sums(numbers.map(|number| number.value));
+        let sums = self.sums(numbers.map(Number::value));
         let sum = |k: usize| {
-            (0..NUMBERS).fold(Dual::constant(sums[k][0]), |sum, i| {
-                let mut change = numbers[i] * sums[k][1 + i];
-                change.value = 0.0;
-                sum + change
+            (0..NUMBERS).fold(N::constant(sums[k][0]), |sum, i| {
+                sum + (numbers[i] * sums[k][1 + i]).change()
             })
         };
         let scale = inputs.limit * (2.0 / PI);

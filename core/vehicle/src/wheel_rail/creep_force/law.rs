@@ -1,5 +1,5 @@
 //! The creep laws behind one method.
-use super::dual::{Dual, INPUTS};
+use super::dual::{Dual, INPUTS, Number};
 use super::{Fastsim, polach, saturated};
 use crate::wheel_rail::{Creepage, KalkerCoefficients};
 
@@ -29,25 +29,20 @@ pub struct Patch {
     pub normal_force: f64,
 }
 
-/// Tangential forces on the wheel and their derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CreepForce {
-    /// Longitudinal force (N), lateral force (N), moment about the normal (N·m).
-    pub components: [f64; 3],
-    /// Derivatives of each by ξ_x (–), ξ_y (–), φ (1/m), a (m), b (m) and the normal force (N).
-    pub slopes: [[f64; INPUTS]; 3],
-}
+/// Derivatives of the longitudinal force, the lateral force and the moment about the normal by ξ_x (–), ξ_y (–),
+/// φ (1/m), a (m), b (m) and the normal force (N).
+pub type CreepSlopes = [[f64; INPUTS]; 3];
 
 /// Arguments of the laws.
-pub(super) struct Inputs {
+pub(super) struct Inputs<N> {
     /// ξ_x, ξ_y, φ.
-    pub creepage: [Dual; 3],
-    pub along: Dual,
-    pub across: Dual,
+    pub creepage: [N; 3],
+    pub along: N,
+    pub across: N,
     /// μN.
-    pub limit: Dual,
+    pub limit: N,
     /// C11, C22, C23.
-    pub coefficients: [Dual; 3],
+    pub coefficients: [N; 3],
     pub shear_modulus: f64,
 }
 
@@ -65,41 +60,45 @@ pub struct CreepModel {
 }
 
 impl CreepModel {
-    /// Force of the rail on the wheel, in the directions of the creepages.
+    /// Force of the rail on the wheel, in the directions of the creepages: longitudinal force (N), lateral force (N),
+    /// moment about the normal (N·m).
     #[must_use]
-    pub fn force(&self, creepage: &Creepage, patch: &Patch) -> CreepForce {
-        let none = CreepForce {
-            components: [0.0; 3],
-            slopes: [[0.0; INPUTS]; 3],
-        };
+    pub fn force(&self, creepage: &Creepage, patch: &Patch) -> [f64; 3] {
+        self.forces(creepage, patch)
+    }
+
+    /// Derivatives of [`CreepModel::force`].
+    #[must_use]
+    pub fn slopes(&self, creepage: &Creepage, patch: &Patch) -> CreepSlopes {
+        self.forces(creepage, patch).map(|force: Dual| force.slopes)
+    }
+
+    pub(super) fn forces<N: Number>(&self, creepage: &Creepage, patch: &Patch) -> [N; 3] {
+        let none = [N::constant(0.0); 3];
         if self.law == CreepLaw::Frictionless || !(patch.normal_force > 0.0 && self.friction > 0.0) {
             return none;
         }
-        let (along, across) = (Dual::input(patch.along, 3), Dual::input(patch.across, 4));
+        let (along, across) = (N::input(patch.along, 3), N::input(patch.across, 4));
         let logarithm =
             along.map(patch.along.ln(), 1.0 / patch.along) - across.map(patch.across.ln(), 1.0 / patch.across);
         let inputs = Inputs {
             creepage: [
-                Dual::input(creepage.longitudinal, 0),
-                Dual::input(creepage.lateral, 1),
-                Dual::input(creepage.spin, 2),
+                N::input(creepage.longitudinal, 0),
+                N::input(creepage.lateral, 1),
+                N::input(creepage.spin, 2),
             ],
             along,
             across,
-            limit: Dual::input(patch.normal_force, 5) * self.friction,
+            limit: N::input(patch.normal_force, 5) * self.friction,
             coefficients: (self.coefficients.at(patch.along, patch.across))
                 .map(|[value, slope]| logarithm.map(value, slope)),
             shear_modulus: self.shear_modulus,
         };
-        let forces = match self.law {
-            CreepLaw::Frictionless => return none,
+        match self.law {
+            CreepLaw::Frictionless => none,
             CreepLaw::Saturated => saturated::forces(&inputs),
             CreepLaw::Fastsim(grid) => grid.forces(&inputs),
             CreepLaw::Polach => polach::forces(&inputs),
-        };
-        CreepForce {
-            components: forces.map(|force| force.value),
-            slopes: forces.map(|force| force.slopes),
         }
     }
 }

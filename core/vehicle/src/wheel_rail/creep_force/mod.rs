@@ -8,4 +8,4 @@ mod saturated;
 mod tests;
 
 pub use fastsim::Fastsim;
-pub use law::{CreepForce, CreepLaw, CreepModel, Patch};
+pub use law::{CreepLaw, CreepModel, CreepSlopes, Patch};

@@ -1,5 +1,5 @@
 //! Polach's closed form.
-use super::dual::Dual;
+use super::dual::Number;
 use super::law::Inputs;
 use std::f64::consts::PI;
 
@@ -13,26 +13,26 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// No moment. Without spin, and for small creepages, the forces are those of Kalker's linear theory.
-pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
+pub(super) fn forces<N: Number>(inputs: &Inputs<N>) -> [N; 3] {
     let [x, y, spin] = inputs.creepage;
     let [c11, c22, c23] = inputs.coefficients;
     let (a, b) = (inputs.along, inputs.across);
     let with_spin = y + spin * a;
-    let lateral = if with_spin.value.abs() > y.value.abs() {
+    let lateral = if with_spin.value().abs() > y.value().abs() {
         with_spin
     } else {
         y
     };
     let total = (x * x + lateral * lateral).sqrt();
-    if total.value == 0.0 {
+    if total.value() == 0.0 {
         // The tangent at rest is that of the linear theory.
         let [at_rest_x, at_rest_y, _] = super::saturated::forces(inputs);
-        return [at_rest_x, at_rest_y, Dual::constant(0.0)];
+        return [at_rest_x, at_rest_y, N::constant(0.0)];
     }
     let inverse_limit = inputs.limit.inverse();
     let per_total = total.inverse();
     let translation = (x * x + y * y).sqrt();
-    let stiffness = if translation.value > 0.0 {
+    let stiffness = if translation.value() > 0.0 {
         ((c11 * x) * (c11 * x) + (c22 * y) * (c22 * y)).sqrt() * translation.inverse()
     } else {
         c22
@@ -52,6 +52,6 @@ pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
     [
         -(force * x * per_total),
         by_spin - force * y * per_total,
-        Dual::constant(0.0),
+        N::constant(0.0),
     ]
 }

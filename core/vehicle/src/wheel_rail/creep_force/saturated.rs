@@ -1,5 +1,5 @@
 //! Kalker's linear theory, saturated by friction.
-use super::dual::Dual;
+use super::dual::Number;
 use super::law::Inputs;
 
 /// ```text
@@ -10,7 +10,7 @@ use super::law::Inputs;
 ///
 /// The moment of the spin, −f₃₃ φ, is left out: the table lacks C33, and the part of this moment in a wheelset's yaw
 /// moment is that of the patch's width to the gauge, squared. The moment is reduced as the force.
-pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
+pub(super) fn forces<N: Number>(inputs: &Inputs<N>) -> [N; 3] {
     let area = inputs.along * inputs.across * inputs.shear_modulus;
     let lever = (inputs.along * inputs.across).sqrt();
     let [c11, c22, c23] = inputs.coefficients;
@@ -19,7 +19,7 @@ pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
     let linear_y = -(area * c22 * inputs.creepage[1] + coupling * inputs.creepage[2]);
     let moment = coupling * inputs.creepage[1];
     let tau = (linear_x * linear_x + linear_y * linear_y).sqrt() * inputs.limit.inverse();
-    let reduction = if tau.value < 3.0 {
+    let reduction = if tau.value() < 3.0 {
         tau * tau * (1.0 / 27.0) - tau * (1.0 / 3.0) + 1.0
     } else {
         tau.inverse()

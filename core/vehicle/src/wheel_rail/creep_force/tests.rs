@@ -1,4 +1,3 @@
-use super::dual::Dual;
 use super::*;
 use crate::wheel_rail::{Creepage, KalkerCoefficients};
 
@@ -36,7 +35,7 @@ fn creepage(longitudinal: f64, lateral: f64, spin: f64) -> Creepage {
 }
 
 fn forces(law: CreepLaw, creepage: Creepage) -> [f64; 3] {
-    model(law).force(&creepage, &PATCH).components
+    model(law).force(&creepage, &PATCH)
 }
 
 #[test]
@@ -113,14 +112,14 @@ fn fastsim_departs_from_the_exact_theory_as_published() {
         cells: 200,
     };
     let inputs = super::law::Inputs {
-        creepage: [0.0, -6.25e-4, 0.625].map(Dual::constant),
-        along: Dual::constant(PATCH.along),
-        across: Dual::constant(PATCH.across),
-        limit: Dual::constant(0.3 * PATCH.normal_force),
-        coefficients: [c11, c22, c23].map(Dual::constant),
+        creepage: [0.0, -6.25e-4, 0.625],
+        along: PATCH.along,
+        across: PATCH.across,
+        limit: 0.3 * PATCH.normal_force,
+        coefficients: [c11, c22, c23],
         shear_modulus: G,
     };
-    let [x, y, _] = fine.forces(&inputs).map(|force| force.value);
+    let [x, y, _] = fine.forces(&inputs);
     // The extrapolation's second order.
     assert!((y / simplified - 1.0).abs() < 3e-3, "{y}");
     // Strips that mirror each other: rounding.
@@ -170,9 +169,9 @@ fn slopes_are_the_derivatives_of_the_forces() {
                     4 => patch.across += by,
                     _ => patch.normal_force += by,
                 }
-                model.force(&creep, &patch).components
+                model.force(&creep, &patch)
             };
-            let exact = model.force(creep, patch).slopes;
+            let exact = model.slopes(creep, patch);
             for (input, h) in [1e-9, 1e-9, 1e-6, 1e-9, 1e-9, 1e-2].into_iter().enumerate() {
                 let (plus, minus) = (moved(input, h), moved(input, -h));
                 for row in 0..3 {
@@ -186,6 +185,21 @@ fn slopes_are_the_derivatives_of_the_forces() {
                     );
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn a_force_is_the_same_with_and_without_its_derivatives() {
+    use super::dual::{Dual, Number};
+    for law in [CreepLaw::Frictionless, CreepLaw::Saturated, CreepLaw::Polach, COARSE] {
+        for creep in [
+            creepage(3e-4, -2e-4, 0.1),
+            creepage(-1e-3, 2.2e-3, -0.6),
+            creepage(0.0, 0.0, 0.0),
+        ] {
+            let with: [Dual; 3] = model(law).forces(&creep, &PATCH);
+            assert_eq!(forces(law, creep), with.map(Number::value), "{law:?}");
         }
     }
 }

@@ -77,7 +77,7 @@ fn weighted_location(set: &Wheelset, state: &State, wheel: usize) -> [f64; 2] {
         let profile = parts.wheel.profile.at(sigma);
         // The lowest point of the wheel's circle, seen along the rail: the normal there is perpendicular to x.
         let phi = (-profile.first.y / profile.first.x * sign * axes[(0, 1)] / axes[(0, 0)]).asin();
-        let point = parts.wheel.at(&axes, phi, sigma).position;
+        let point = parts.wheel.at(&axes, phi, &parts.wheel.profile.at(sigma)).position;
         let (y, z) = (state.q[1] + point.y, state.q[2] + parts.wheel.radius + point.z);
         let Some(at) = parts.rail.profile.parameter_at(sign * (y - rail_y)) else {
             continue;
@@ -162,7 +162,7 @@ fn a22_creep_forces_are_those_of_the_exact_theory_to_the_error_of_fastsim() {
             if wheel == 1 && row.shift < 1.5 {
                 continue;
             }
-            let [x, y, _] = contact.creep.components;
+            let [x, y, _] = contact.creep;
             let difference = (x - row.tangential[0]).hypot(y - row.tangential[1]) / (0.3 * row.normal_force);
             worst = worst.max(difference);
             assert!(difference < 0.1, "{} mm: {x} {y} {:?}", row.shift, row.tangential); // 10 % [Kalker 1990]
