@@ -57,11 +57,11 @@ pub enum Anchor {
 
 impl Anchor {
     /// The anchor now.
-    pub(crate) fn grip(&self, motion: &Motion<'_>) -> Grip {
+    pub(crate) fn grip<'a>(&'a self, motion: &'a Motion<'a>) -> Grip<'a> {
         match self {
-            Self::Base(marker) => Grip::fixed(marker.frame(motion)),
+            Self::Base(marker) => Grip::Fixed(marker.frame(motion)),
             Self::Body(marker) => marker.grip(motion),
-            Self::Given(marker) => Grip::fixed(marker.frame(motion)),
+            Self::Given(marker) => Grip::Fixed(marker.frame(motion)),
         }
     }
 }

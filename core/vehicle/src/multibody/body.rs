@@ -147,74 +147,107 @@ impl BodyMarker {
     }
 }
 
-/// A marker of a body at one instant, on which forces act.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Grip {
-    pub frame: Frame,
-    body: Option<GrippedBody>,
+/// A marker at one instant, on which forces act; only what is asked for is evaluated.
+pub(crate) enum Grip<'a> {
+    /// No coordinate moves the marker.
+    Fixed(Frame),
+    /// The marker of a body.
+    Body(BodyGrip<'a>),
 }
 
-#[derive(Clone, Copy, Debug)]
-struct GrippedBody {
-    pose: Pose,
+/// A marker of a body at one instant.
+pub(crate) struct BodyGrip<'a> {
+    marker: &'a BodyMarker,
+    motion: &'a Motion<'a>,
     /// Body to world.
     axes: Matrix3<f64>,
     /// The point from the centre of mass, world axes, m.
     offset: Vector3<f64>,
 }
 
-impl Grip {
-    /// A marker that no coordinate moves.
-    pub fn fixed(frame: Frame) -> Self {
-        Self { frame, body: None }
+impl BodyGrip<'_> {
+    fn angular_velocity(&self) -> Vector3<f64> {
+        self.axes * self.marker.pose.angular_velocity(self.motion)
+    }
+}
+
+impl Grip<'_> {
+    /// Position, m.
+    pub fn position(&self) -> Vector3<f64> {
+        match self {
+            Self::Fixed(frame) => frame.position,
+            Self::Body(body) => body.marker.pose.position(body.motion) + body.offset,
+        }
     }
 
-    /// Adds the generalised force of a `force` (N) at `offset` (m, world, from the marker's point): that of
-    /// [`Columns::add_force`], to the last bit.
+    /// Axes of the marker as columns.
+    pub fn axes(&self) -> Matrix3<f64> {
+        match self {
+            Self::Fixed(frame) => frame.axes,
+            Self::Body(body) => body.axes * body.marker.axes,
+        }
+    }
+
+    /// Velocity of the point, m/s, and angular velocity, rad/s.
+    pub fn velocities(&self) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Fixed(frame) => [frame.velocity, frame.angular_velocity],
+            Self::Body(body) => {
+                let turn = body.angular_velocity();
+                [body.marker.pose.velocity(body.motion) + turn.cross(&body.offset), turn]
+            }
+        }
+    }
+
+    /// All of it.
+    pub fn frame(&self) -> Frame {
+        let [velocity, angular_velocity] = self.velocities();
+        Frame {
+            position: self.position(),
+            axes: self.axes(),
+            velocity,
+            angular_velocity,
+        }
+    }
+
+    /// Adds the generalised force of a `force` (N) at `offset` (m, world, from the marker's point), as
+    /// [`Columns::add_force`] does.
     pub fn add_force(&self, force: &Vector3<f64>, offset: &Vector3<f64>, out: &mut [f64]) {
-        let Some(body) = &self.body else { return };
+        let Self::Body(body) = self else { return };
         let moment = offset.cross(force);
+        let pose = &body.marker.pose;
         for axis in 0..3 {
-            out[body.pose.translation + axis] += force[axis];
+            out[pose.translation + axis] += force[axis];
             let turn = body.axes.column(axis).into_owned();
-            out[body.pose.rotation + axis] += turn.cross(&body.offset).dot(force) + turn.dot(&moment);
+            out[pose.rotation + axis] += turn.cross(&body.offset).dot(force) + turn.dot(&moment);
         }
     }
 
     /// Adds the generalised force of a moment, N·m, world axes.
     pub fn add_moment(&self, moment: &Vector3<f64>, out: &mut [f64]) {
-        let Some(body) = &self.body else { return };
+        let Self::Body(body) = self else { return };
         for axis in 0..3 {
-            out[body.pose.rotation + axis] += body.axes.column(axis).dot(moment);
+            out[body.marker.pose.rotation + axis] += body.axes.column(axis).dot(moment);
         }
     }
 }
 
 impl BodyMarker {
     /// The marker now.
-    pub(crate) fn grip(&self, motion: &Motion<'_>) -> Grip {
+    pub(crate) fn grip<'a>(&'a self, motion: &'a Motion<'a>) -> Grip<'a> {
         let axes = self.pose.axes(motion);
-        let offset = axes * self.offset;
-        let omega_w = axes * self.pose.angular_velocity(motion);
-        Grip {
-            frame: Frame {
-                position: self.pose.position(motion) + offset,
-                axes: axes * self.axes,
-                velocity: self.pose.velocity(motion) + omega_w.cross(&offset),
-                angular_velocity: omega_w,
-            },
-            body: Some(GrippedBody {
-                pose: self.pose,
-                axes,
-                offset,
-            }),
-        }
+        Grip::Body(BodyGrip {
+            marker: self,
+            motion,
+            axes,
+            offset: axes * self.offset,
+        })
     }
 }
 
 impl Marker for BodyMarker {
     fn frame(&self, motion: &Motion<'_>) -> Frame {
-        self.grip(motion).frame
+        self.grip(motion).frame()
     }
 
     fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {

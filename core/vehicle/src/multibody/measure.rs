@@ -123,25 +123,31 @@ impl PairView {
     /// Derivatives of a measure, one per entry of [`PairView::indices`], zero behind.
     pub(crate) fn gradient(&self, measure: Measure) -> SVector<f64, WIDTH> {
         let mut gradient = SVector::zeros();
-        for k in 0..self.count {
-            let (c, t) = self.column(k);
-            gradient[k] = match measure {
-                Measure::Point(axis) => t[axis],
-                Measure::Along(axis) => {
-                    let a = Self::axis(&self.first, axis);
+        match measure {
+            Measure::Point(axis) => {
+                for k in 0..self.count {
+                    gradient[k] = self.column(k).1[axis];
+                }
+            }
+            Measure::Along(axis) => {
+                let a = Self::axis(&self.first, axis);
+                for k in 0..self.count {
+                    let (c, t) = self.column(k);
                     let turn = if self.is_first(k) {
                         c.cross(&a).dot(&self.distance)
                     } else {
                         0.0
                     };
-                    a.dot(&t) + turn
+                    gradient[k] = a.dot(&t) + turn;
                 }
-                Measure::Direction(a, b) => {
-                    let normal = Self::axis(&self.first, a).cross(&Self::axis(&self.second, b));
+            }
+            Measure::Direction(a, b) => {
+                let normal = Self::axis(&self.first, a).cross(&Self::axis(&self.second, b));
+                for k in 0..self.count {
                     let sign = if self.is_first(k) { 1.0 } else { -1.0 };
-                    sign * c.dot(&normal)
+                    gradient[k] = sign * self.columns[k].rotation.dot(&normal);
                 }
-            };
+            }
         }
         gradient
     }

@@ -41,13 +41,15 @@ pub struct ContactPoint {
     pub penetration: f64,
     /// Relative curvature along and across the rail, 1/m; positive for surfaces that part from each other.
     pub curvature: Vector2<f64>,
-    wheel: SurfacePoint,
-    rail: SurfacePoint,
+    /// Tangents of wheel and rail: first derivatives by the parameters of each.
+    wheel: [Vector3<f64>; 2],
+    rail: [Vector3<f64>; 2],
     /// Derivatives of the normal and of the direction of the rail by s and σ of the rail.
     normal_rates: [Vector3<f64>; 2],
     longitudinal_rates: [Vector3<f64>; 2],
     /// Derivatives of the curvature: along by σ of the wheel; across by σ of the rail and by that of the wheel.
     curvature_rates: [f64; 3],
+    /// Inverse of the Jacobian, less than 10⁻⁹ m from this point.
     inverse: Matrix4<f64>,
 }
 
@@ -74,6 +76,9 @@ pub(crate) struct Pairing<'a> {
 
 /// Largest number of corrections of one Newton solution.
 const MAX_ITERATIONS: usize = 30;
+
+/// Correction that is rounding, m.
+const SETTLED: f64 = 1e-14;
 
 /// Longest correction along a profile, m: less than the radius of the tightest part of a profile.
 const LONGEST: f64 = 2e-3;
@@ -110,10 +115,14 @@ impl<'a> Pairing<'a> {
             if !change.norm().is_finite() {
                 return None;
             }
+            // Newton's iterations of a time step hardly move a wheelset against the rail.
+            if longest < SETTLED {
+                return Some(self.point(parameters, &view, inverse));
+            }
             parameters.add(&change);
             // Quadratic convergence: the error after a correction of 10⁻⁹ m is below rounding.
             if longest < 1e-9 {
-                return self.point(parameters);
+                return Some(self.point(parameters, &self.view(&parameters), inverse));
             }
         }
         None
@@ -167,8 +176,7 @@ impl<'a> Pairing<'a> {
         }
     }
 
-    fn point(&self, parameters: SurfaceParameters) -> Option<ContactPoint> {
-        let view = self.view(&parameters);
+    fn point(&self, parameters: SurfaceParameters, view: &View, inverse: Matrix4<f64>) -> ContactPoint {
         let [r_s, _] = view.rail.first;
         let [r_ss, r_sa, _] = view.rail.second;
         let speed = r_s.norm();
@@ -182,7 +190,7 @@ impl<'a> Pairing<'a> {
         let cosine_rate = profile.second.x / length - cosine * profile.first.dot(&profile.second) / (length * length);
         let [of_wheel, wheel_rate] = profile.curvature();
         let [of_rail, rail_rate] = of_rail.curvature();
-        Some(ContactPoint {
+        ContactPoint {
             parameters,
             lever: view.wheel.position,
             normal: view.normal,
@@ -193,8 +201,8 @@ impl<'a> Pairing<'a> {
                 cosine / radius - r_ss.dot(&view.normal) / (speed * speed),
                 of_wheel - of_rail,
             ),
-            wheel: view.wheel,
-            rail: view.rail,
+            wheel: view.wheel.first,
+            rail: view.rail.first,
             normal_rates: view.normal_rates,
             longitudinal_rates: [across(r_ss), across(r_sa)],
             curvature_rates: [
@@ -202,8 +210,8 @@ impl<'a> Pairing<'a> {
                 -rail_rate,
                 wheel_rate,
             ],
-            inverse: view.jacobian.try_inverse()?,
-        })
+            inverse,
+        }
     }
 }
 
@@ -232,7 +240,7 @@ impl ContactPoint {
     /// The surface parameters follow by the implicit function theorem: the equations of contact stay fulfilled.
     pub(crate) fn change(&self, displacement: &Vector3<f64>, rotation: &Vector3<f64>) -> ContactChange {
         let carried = displacement + rotation.cross(&self.lever);
-        let ([r_s, r_a], [w_p, w_b]) = (self.rail.first, self.wheel.first);
+        let ([r_s, r_a], [w_p, w_b]) = (self.rail, self.wheel);
         let right = Vector4::new(
             r_s.dot(&carried),
             r_a.dot(&carried),

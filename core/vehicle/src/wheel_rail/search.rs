@@ -22,6 +22,87 @@ pub(crate) struct Found {
     pub valleys: [Option<SurfaceParameters>; MAX_CONTACTS],
 }
 
+impl Found {
+    /// The places seen `s` m further along the rail.
+    pub fn moved(mut self, s: f64) -> Self {
+        let places = self.points.iter_mut().chain(&mut self.valleys);
+        places.flatten().for_each(|place| place.s += s);
+        self
+    }
+
+    /// The point of largest overlap within a sample of `start`, else `start` itself.
+    fn nearest(&self, start: SurfaceParameters) -> SurfaceParameters {
+        let near = |place: &&SurfaceParameters| {
+            (place.wheel - start.wheel).abs() < STEP && (place.rail - start.rail).abs() < STEP
+        };
+        self.points.iter().flatten().find(near).copied().unwrap_or(start)
+    }
+}
+
+/// Points of largest overlap, and those of least overlap between them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Points {
+    pub highest: [Option<ContactPoint>; MAX_CONTACTS],
+    pub valleys: [Option<ContactPoint>; MAX_CONTACTS],
+}
+
+impl Points {
+    pub fn clear(&mut self) {
+        self.highest
+            .iter_mut()
+            .chain(&mut self.valleys)
+            .for_each(|point| *point = None);
+    }
+
+    /// Where these points are.
+    pub fn found(&self) -> Found {
+        let place = |point: &Option<ContactPoint>| point.as_ref().map(|point| point.parameters);
+        Found {
+            points: self.highest.each_ref().map(place),
+            valleys: self.valleys.each_ref().map(place),
+        }
+    }
+
+    /// Becomes the points from a start nearby; `false` if one is lost, or two have become one.
+    pub fn follow(&mut self, pairing: &Pairing<'_>, start: &Found) -> bool {
+        self.clear();
+        for place in 0..MAX_CONTACTS {
+            let Some(parameters) = &start.points[place] else {
+                continue;
+            };
+            self.highest[place] = pairing.solve(parameters);
+            if self.highest[place].is_none() {
+                return false;
+            }
+            if let Some(parameters) = &start.valleys[place] {
+                self.valleys[place] = pairing.solve(parameters);
+                if self.valleys[place].is_none() {
+                    return false;
+                }
+            }
+        }
+        self.are_apart()
+    }
+
+    /// True for points of largest and least overlap in their order on the wheel.
+    pub fn are_apart(&self) -> bool {
+        let mut last = f64::NEG_INFINITY;
+        let mut follows = |point: &ContactPoint| {
+            let follows = point.parameters.wheel > last;
+            last = point.parameters.wheel;
+            follows
+        };
+        self.highest.iter().zip(&self.valleys).all(|(highest, valley)| {
+            highest
+                .as_ref()
+                .is_none_or(|point| point.curvature.min() > 0.0 && follows(point))
+                && valley
+                    .as_ref()
+                    .is_none_or(|valley| valley.curvature.y < 0.0 && follows(valley))
+        })
+    }
+}
+
 /// Both profiles sampled, for the search.
 #[derive(Clone, Debug)]
 pub(crate) struct Search {
@@ -110,14 +191,16 @@ impl Search {
         }
     }
 
-    /// All contact points at a position; `s` is the arc length near the wheelset.
+    /// Finds all contact points at a position; `s` is the arc length near the wheelset. Points of the `last` search, as
+    /// seen from `s`, are where others nearby start from.
     ///
     /// A wheel's outline, seen along the rail, is compared with the rail; the outline's point on each circle of the
     /// wheel has a normal perpendicular to the rail. At a local minimum of the height between outline and rail both
     /// have the same slope.
-    pub fn contacts(&self, pairing: &Pairing<'_>, s: f64) -> Found {
+    pub fn contacts(&self, pairing: &Pairing<'_>, s: f64, last: &Found, points: &mut Points) {
         let outline = Outline::new(self, pairing, s);
-        let mut found = Candidates::default();
+        points.clear();
+        let mut found = Candidates(&mut points.highest);
         let mut view = View::default();
         let (mut start, count) = (0, self.wheel.sigma.len());
         // Views share two samples: each sample but the first and the last one is within one of them.
@@ -129,24 +212,23 @@ impl Search {
                 if height[1] < height[0]
                     && height[1] <= height[2]
                     && height[1] < FOLLOWED
-                    && let Some(point) = pairing.solve(&outline.start(&view, i + 1))
+                    && let Some(point) = pairing.solve(&last.nearest(outline.start(&view, i + 1)))
                 {
                     found.insert(point);
                 }
             }
             start += LOOK - 2;
         }
-        let mut found = found.into_found();
         for place in 0..MAX_CONTACTS - 1 {
-            if let [Some(first), Some(second)] = [found.points[place], found.points[place + 1]] {
-                found.valleys[place] = self.valley(pairing, &outline, [first.wheel, second.wheel]);
+            if let [Some(first), Some(second)] = [&points.highest[place], &points.highest[place + 1]] {
+                let between = [first, second].map(|point| point.parameters.wheel);
+                points.valleys[place] = self.valley(pairing, &outline, between);
             }
         }
-        found
     }
 
     /// Point of least overlap between two points on the wheel.
-    fn valley(&self, pairing: &Pairing<'_>, outline: &Outline<'_>, between: [f64; 2]) -> Option<SurfaceParameters> {
+    fn valley(&self, pairing: &Pairing<'_>, outline: &Outline<'_>, between: [f64; 2]) -> Option<ContactPoint> {
         let [first, last] = between.map(|sigma| self.wheel.sigma.partition_point(|sample| *sample <= sigma));
         let mut highest: Option<(f64, SurfaceParameters)> = None;
         let mut view = View::default();
@@ -164,8 +246,8 @@ impl Search {
             }
         }
         let (_, start) = highest.filter(|(height, _)| *height < FOLLOWED)?;
-        let point = pairing.solve(&start)?.parameters;
-        (point.wheel > between[0] && point.wheel < between[1]).then_some(point)
+        let point = pairing.solve(&start)?;
+        (point.parameters.wheel > between[0] && point.parameters.wheel < between[1]).then_some(point)
     }
 }
 
@@ -218,16 +300,15 @@ impl<'a> Outline<'a> {
         );
         let rail = &self.search.rail;
         for i in 0..size {
-            view.height[i] = f64::NAN;
             // The outline ends where its normal would have to point along the rail.
-            if !(view.sine[i].abs() < 1.0 && view.place[i] >= 0.0) {
-                continue;
-            }
-            let left = view.place[i] as usize;
-            if let Some(pair) = rail.get(left..left.saturating_add(2)) {
-                let up = pair[0].up + (view.place[i] - left as f64) * (pair[1].up - pair[0].up);
-                view.height[i] = view.level[i] - up;
-            }
+            let left = view.place[i] as u32 as usize;
+            let beside = !(view.sine[i].abs() < 1.0 && view.place[i] >= 0.0);
+            view.height[i] = match rail.get(left..left + 2) {
+                Some([before, after]) if !beside => {
+                    view.level[i] - (before.up + (view.place[i] - left as f64) * (after.up - before.up))
+                }
+                _ => f64::NAN,
+            };
         }
     }
 
@@ -246,13 +327,14 @@ impl<'a> Outline<'a> {
         let axle = list(self.pairing.axes.column(1).into_owned());
         let [outward, upward] = [1, 2].map(|axis| list(self.frame.axes.column(axis).into_owned()));
         let [forward, down] = self.lowest.map(list);
-        let (lateral, along, first) = (self.lateral, self.size, self.search.first);
-        let side = self.pairing.wheel.side.sign();
+        // One division for all samples.
+        let (lateral, steps) = (self.lateral / self.size, self.pairing.wheel.side.sign() / STEP);
+        let first = self.search.first / STEP;
         let [x, y, z] = &mut view.point;
         let (sine, place, level) = (&mut view.sine[..size], &mut view.place[..size], &mut view.level[..size]);
         let (x, y, z) = (&mut x[..size], &mut y[..size], &mut z[..size]);
         for i in 0..size {
-            let tilt = slope[i] * lateral / along;
+            let tilt = slope[i] * lateral;
             let cosine = (1.0 - tilt * tilt).sqrt();
             let at = |axis: usize| {
                 let radial = forward[axis] * tilt - down[axis] * cosine;
@@ -262,7 +344,7 @@ impl<'a> Outline<'a> {
             let dot = |axis: [f64; 3]| axis[0] * point[0] + axis[1] * point[1] + axis[2] * point[2];
             sine[i] = tilt;
             [x[i], y[i], z[i]] = point;
-            place[i] = (side * dot(outward) - first) / STEP;
+            place[i] = steps * dot(outward) - first;
             level[i] = dot(upward);
         }
     }
@@ -296,40 +378,30 @@ impl Default for View {
 }
 
 /// Deepest points so far, in the order of their position on the wheel.
-#[derive(Default)]
-struct Candidates {
-    points: [Option<ContactPoint>; MAX_CONTACTS],
-}
+struct Candidates<'a>(&'a mut [Option<ContactPoint>; MAX_CONTACTS]);
 
-impl Candidates {
+impl Candidates<'_> {
     /// Takes a point in unless it is no minimum, or known already.
     fn insert(&mut self, point: ContactPoint) {
         let is_known = |known: &ContactPoint| (known.parameters.wheel - point.parameters.wheel).abs() < 0.1 * STEP;
-        if point.curvature.min() <= 0.0 || self.points.iter().flatten().any(is_known) {
+        if point.curvature.min() <= 0.0 || self.0.iter().flatten().any(is_known) {
             return;
         }
-        if let Some(free) = self.points.iter_mut().find(|place| place.is_none()) {
+        if let Some(free) = self.0.iter_mut().find(|place| place.is_none()) {
             *free = Some(point);
             return;
         }
-        let depth = |place: &Option<ContactPoint>| place.map_or(f64::NEG_INFINITY, |known| known.penetration);
+        let depth = |place: &Option<ContactPoint>| place.as_ref().map_or(f64::NEG_INFINITY, |known| known.penetration);
         let mut shallowest = 0;
         for place in 1..MAX_CONTACTS {
-            if depth(&self.points[place]) < depth(&self.points[shallowest]) {
+            if depth(&self.0[place]) < depth(&self.0[shallowest]) {
                 shallowest = place;
             }
         }
-        if depth(&self.points[shallowest]) < point.penetration {
+        if depth(&self.0[shallowest]) < point.penetration {
             // Keeps the order: the new one is the outermost.
-            self.points[shallowest..].rotate_left(1);
-            self.points[MAX_CONTACTS - 1] = Some(point);
-        }
-    }
-
-    fn into_found(self) -> Found {
-        Found {
-            points: self.points.map(|place| place.map(|point| point.parameters)),
-            valleys: [None; MAX_CONTACTS],
+            self.0[shallowest..].rotate_left(1);
+            self.0[MAX_CONTACTS - 1] = Some(point);
         }
     }
 }

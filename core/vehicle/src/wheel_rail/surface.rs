@@ -179,15 +179,18 @@ impl Rail {
             to_world(profile.first),
             to_world(profile.second),
         );
-        let turn = skew(&frame.turn);
-        SurfacePoint {
+        let mut point = SurfacePoint {
             position: frame.position + offset,
-            first: [frame.direction + turn * offset, first],
-            second: [
-                frame.bend + frame.turn_rate.cross(&offset) + turn * (turn * offset),
-                turn * first,
-                second,
-            ],
+            first: [frame.direction, first],
+            second: [frame.bend, Vector3::zeros(), second],
+        };
+        // A rail whose axes do not turn is swept as it is.
+        if frame.turn != Vector3::zeros() || frame.turn_rate != Vector3::zeros() {
+            let turn = skew(&frame.turn);
+            point.first[0] += turn * offset;
+            point.second[0] = frame.bend + frame.turn_rate.cross(&offset) + turn * (turn * offset);
+            point.second[1] = turn * first;
         }
+        point
     }
 }

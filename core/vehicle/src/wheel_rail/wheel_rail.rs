@@ -1,7 +1,7 @@
 //! The force of one wheel on its rail.
-use super::contact_point::{ContactPoint, Pairing};
-use super::overlap::{Overlap, overlaps};
-use super::search::{Found, MAX_CONTACTS, Search};
+use super::contact_point::Pairing;
+use super::overlap::overlaps;
+use super::search::{Found, MAX_CONTACTS, Points, Search};
 use super::wheel_contact::{Change, WheelContact};
 use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
 use crate::travel::{Travel, TravellingFrame};
@@ -48,6 +48,16 @@ pub struct WheelRail {
     parts: WheelRailParts,
     search: Search,
     start: Start,
+    /// None before the first search.
+    kept: Option<Box<Kept>>,
+}
+
+/// Points of the last search, and the position that they belong to: the first force of a step is asked at the motion
+/// with which the step begins.
+#[derive(Default)]
+struct Kept {
+    points: Points,
+    at: Option<(f64, Frame)>,
 }
 
 /// A wheelset at one instant.
@@ -84,6 +94,7 @@ impl WheelRail {
                 s: None,
                 found: Found::default(),
             },
+            kept: None,
         }
     }
 
@@ -155,7 +166,7 @@ impl WheelRail {
     }
 
     /// Searches over the whole width of the profiles.
-    fn search(&self, pairing: &Pairing<'_>, place: &WheelsetPosition) -> Start {
+    fn search(&self, pairing: &Pairing<'_>, place: &WheelsetPosition, points: &mut Points) -> Start {
         // Arc length whose normal plane holds the middle of the wheelset.
         let mut s = self.start.s.unwrap_or(place.s);
         for _ in 0..20 {
@@ -167,81 +178,49 @@ impl WheelRail {
                 break; // A start is enough.
             }
         }
+        let moved = s - self.start.s.unwrap_or(s);
+        self.search.contacts(pairing, s, &self.start.found.moved(moved), points);
         Start {
             s: Some(s),
-            found: self.search.contacts(pairing, s),
+            found: points.found(),
+        }
+    }
+
+    /// Finds the points from those of the last search, or by another one; returns the start of the next search.
+    fn find(&self, place: &WheelsetPosition, points: &mut Points) -> Start {
+        let pairing = self.pairing(place);
+        if self.start.s.is_some() && points.follow(&pairing, &self.start.found) {
+            return Start {
+                found: points.found(),
+                ..self.start
+            };
+        }
+        let start = self.search(&pairing, place, points);
+        if !points.are_apart() {
+            points.clear();
+        }
+        start
+    }
+
+    /// Calls `see` for each contact at these points, with its number.
+    fn see_contacts(&self, points: &Points, place: &WheelsetPosition, mut see: impl FnMut(usize, &WheelContact)) {
+        let overlaps = overlaps(&points.highest, &points.valleys);
+        for (number, (point, overlap)) in points.highest.iter().zip(overlaps).enumerate() {
+            if let (Some(point), Some(overlap)) = (point, overlap)
+                && let Some(contact) = WheelContact::new(&self.parts, point, overlap, &place.frame)
+            {
+                see(number, &contact);
+            }
         }
     }
 
     /// The contacts, and the start of the next search.
     fn contacts_at(&self, place: &WheelsetPosition) -> (WheelContacts, Start) {
-        let mut contacts = [None; MAX_CONTACTS];
-        let start = self.evaluate(place, &mut |number, contact| contacts[number] = Some(contact));
-        (contacts, start)
-    }
-
-    /// Calls `see` for each contact; returns the start of the next search.
-    fn evaluate(&self, place: &WheelsetPosition, see: &mut dyn FnMut(usize, WheelContact)) -> Start {
-        let pairing = self.pairing(place);
         let mut points = Points::default();
-        let followed = self.start.s.and_then(|_| points.follow(&pairing, &self.start));
-        let start = followed.unwrap_or_else(|| {
-            let start = self.search(&pairing, place);
-            points.follow(&pairing, &start).unwrap_or_else(|| {
-                points = Points::default();
-                start
-            })
-        });
-        for (number, (point, overlap)) in points.highest.iter().zip(points.overlaps()).enumerate() {
-            if let (Some(point), Some(overlap)) = (point, overlap)
-                && let Some(contact) = WheelContact::new(&self.parts, point, overlap, &place.frame)
-            {
-                see(number, contact);
-            }
-        }
-        start
-    }
-}
-
-/// Points of largest overlap, and those of least overlap between them.
-#[derive(Default)]
-struct Points {
-    highest: [Option<ContactPoint>; MAX_CONTACTS],
-    valleys: [Option<ContactPoint>; MAX_CONTACTS],
-}
-
-impl Points {
-    /// Becomes the points of a start at a new position; `None` if one is lost, or two have become one.
-    fn follow(&mut self, pairing: &Pairing<'_>, start: &Start) -> Option<Start> {
-        *self = Self::default();
-        let mut next = *start;
-        let mut last = f64::NEG_INFINITY;
-        for place in 0..MAX_CONTACTS {
-            let Some(parameters) = &start.found.points[place] else {
-                continue;
-            };
-            let point = self.highest[place].insert(pairing.solve(parameters)?);
-            if point.curvature.min() <= 0.0 || point.parameters.wheel <= last {
-                return None;
-            }
-            last = point.parameters.wheel;
-            next.found.points[place] = Some(point.parameters);
-            let Some(parameters) = &start.found.valleys[place] else {
-                continue;
-            };
-            let valley = self.valleys[place].insert(pairing.solve(parameters)?);
-            if valley.curvature.y >= 0.0 || valley.parameters.wheel <= last {
-                return None;
-            }
-            last = valley.parameters.wheel;
-            next.found.valleys[place] = Some(valley.parameters);
-        }
-        Some(next)
-    }
-
-    /// Counted penetration of each point.
-    fn overlaps(&self) -> [Option<Overlap>; MAX_CONTACTS] {
-        overlaps(&self.highest, &self.valleys)
+        let start = self.find(place, &mut points);
+        let mut contacts = [None; MAX_CONTACTS];
+        self.see_contacts(&points, place, |number, contact| contacts[number] = Some(*contact));
+        (contacts, start)
     }
 }
 
@@ -249,11 +228,16 @@ impl Force for WheelRail {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let place = self.place(motion);
         let columns = self.columns(motion, &place);
-        self.start = self.evaluate(&place, &mut |_, contact| {
+        let mut kept = self.kept.take().unwrap_or_default();
+        if kept.at.take() != Some((place.from, place.frame)) {
+            self.start = self.find(&place, &mut kept.points);
+        }
+        self.see_contacts(&kept.points, &place, |_, contact| {
             for column in columns.as_slice() {
                 force[column.index] += column.translation.dot(&contact.force) + column.rotation.dot(&contact.moment);
             }
         });
+        self.kept = Some(kept);
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
@@ -345,7 +329,10 @@ impl Force for WheelRail {
 impl StepHistory for WheelRail {
     fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         let place = self.place(motion);
-        self.start = self.search(&self.pairing(&place), &place);
+        let mut kept = self.kept.take().unwrap_or_default();
+        self.start = self.search(&self.pairing(&place), &place, &mut kept.points);
+        kept.at = kept.points.are_apart().then_some((place.from, place.frame));
+        self.kept = Some(kept);
     }
 
     fn save(&self, out: &mut Vec<f64>) {

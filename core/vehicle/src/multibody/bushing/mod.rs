@@ -1,8 +1,8 @@
 //! Bushings: springs and dampers between two bodies in all six directions.
 use super::measure::{WIDTH, add_square};
-use super::{Characteristic, Measure, Pair};
-use dynamics::{Blocks, Force, Frame, Marker, Motion, Weights};
-use nalgebra::{SMatrix, SVector, Vector3};
+use super::{Characteristic, Grip, Measure, Pair};
+use dynamics::{Blocks, Force, Marker, Motion, Weights};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 #[cfg(test)]
 mod tests;
@@ -64,9 +64,20 @@ pub struct BushingLoad {
     pub dissipated: f64,
 }
 
+/// A bushing at one instant.
+struct BushingView {
+    load: BushingLoad,
+    /// From the first anchor to the second one, m.
+    distance: Vector3<f64>,
+    /// Axes of the first anchor.
+    axes: Matrix3<f64>,
+    /// `∂s_i/∂φ_B` of a bushing that resists rotations.
+    turns: Option<[Vector3<f64>; 3]>,
+}
+
 /// `∂s_i/∂φ_B` for each axis.
-fn turns(a: &Frame, b: &Frame) -> [Vector3<f64>; 3] {
-    let axis = |frame: &Frame, i: usize| frame.axes.column(i).into_owned();
+fn turns(a: &Matrix3<f64>, b: &Matrix3<f64>) -> [Vector3<f64>; 3] {
+    let axis = |axes: &Matrix3<f64>, i: usize| axes.column(i).into_owned();
     [0, 1, 2].map(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         0.5 * (axis(b, j).cross(&axis(a, k)) - axis(b, k).cross(&axis(a, j)))
@@ -80,60 +91,62 @@ impl Bushing {
         [Measure::Direction(k, j), Measure::Direction(j, k)]
     }
 
-    /// The load, and `∂s_i/∂φ_B` of a bushing that resists rotations.
-    fn load_between(&self, a: &Frame, b: &Frame) -> (BushingLoad, Option<[Vector3<f64>; 3]>) {
+    fn view(&self, a: &Grip<'_>, b: &Grip<'_>) -> BushingView {
         let Rates {
             stiffness,
             damping,
             rotational_stiffness,
             rotational_damping,
         } = self.rates;
-        let distance = b.position - a.position;
-        let to_first = a.axes.transpose();
+        let distance = b.position() - a.position();
+        let axes = a.axes();
+        let to_first = axes.transpose();
         let displacement = to_first * distance;
-        let rate = to_first * (b.velocity - a.velocity - a.angular_velocity.cross(&distance));
-        let viscous = damping.component_mul(&rate);
-        let mut force = self.preload - stiffness.component_mul(&displacement) - viscous;
+        let mut load = BushingLoad {
+            displacement,
+            force: self.preload - stiffness.component_mul(&displacement),
+            moment: Vector3::zeros(),
+            dissipated: 0.0,
+        };
+        if damping != Vector3::zeros() {
+            let ([of_a, turn], [of_b, _]) = (a.velocities(), b.velocities());
+            let rate = to_first * (of_b - of_a - turn.cross(&distance));
+            let viscous = damping.component_mul(&rate);
+            load.force -= viscous;
+            load.dissipated = viscous.dot(&rate);
+        }
         for (axis, curve) in self.characteristics.iter().enumerate() {
             if let Some(curve) = curve {
-                force[axis] -= curve.at(displacement[axis]).force;
+                load.force[axis] -= curve.at(displacement[axis]).force;
             }
         }
-        if !self.rates.resists_rotation() {
-            let load = BushingLoad {
-                displacement,
-                force,
-                moment: Vector3::zeros(),
-                dissipated: viscous.dot(&rate),
-            };
-            return (load, None);
+        let turns = self.rates.resists_rotation().then(|| {
+            let axes_of_b = b.axes();
+            let turns = turns(&axes, &axes_of_b);
+            let relative = b.velocities()[1] - a.velocities()[1];
+            let cross = to_first * axes_of_b;
+            for i in 0..3 {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                let turn = 0.5 * (cross[(k, j)] - cross[(j, k)]);
+                let rate = turns[i].dot(&relative);
+                load.moment[i] = -rotational_stiffness[i] * turn - rotational_damping[i] * rate;
+                load.dissipated += rotational_damping[i] * rate * rate;
+            }
+            turns
+        });
+        BushingView {
+            load,
+            distance,
+            axes,
+            turns,
         }
-        let turns = turns(a, b);
-        let relative = b.angular_velocity - a.angular_velocity;
-        let mut moment = Vector3::zeros();
-        let mut dissipated = viscous.dot(&rate);
-        let cross = to_first * b.axes;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let turn = 0.5 * (cross[(k, j)] - cross[(j, k)]);
-            let rate = turns[i].dot(&relative);
-            moment[i] = -rotational_stiffness[i] * turn - rotational_damping[i] * rate;
-            dissipated += rotational_damping[i] * rate * rate;
-        }
-        let load = BushingLoad {
-            displacement,
-            force,
-            moment,
-            dissipated,
-        };
-        (load, Some(turns))
     }
 
     /// Displacements and forces now.
     #[must_use]
     pub fn load(&self, motion: &Motion<'_>) -> BushingLoad {
-        self.load_between(&self.pair.first.frame(motion), &self.pair.second.frame(motion))
-            .0
+        self.view(&self.pair.first.grip(motion), &self.pair.second.grip(motion))
+            .load
     }
 }
 
@@ -144,10 +157,14 @@ impl Force for Bushing {
 
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let (first, second) = (self.pair.first.grip(motion), self.pair.second.grip(motion));
-        let (a, b) = (&first.frame, &second.frame);
-        let (load, turns) = self.load_between(a, b);
-        let along = a.axes * load.force;
-        first.add_force(&-along, &(b.position - a.position), force);
+        let BushingView {
+            load,
+            distance,
+            axes,
+            turns,
+        } = self.view(&first, &second);
+        let along = axes * load.force;
+        first.add_force(&-along, &distance, force);
         second.add_force(&along, &Vector3::zeros(), force);
         if let Some(turns) = turns {
             let about: Vector3<f64> = turns.iter().zip(load.moment.iter()).map(|(turn, m)| turn * *m).sum();
