@@ -1,5 +1,5 @@
 //! Ends of joints and springs: on a body or on the base.
-use super::{BodyMarker, Grip};
+use super::{BodyMarker, BodyNow, Grip, Pose};
 use crate::GivenMotion;
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
@@ -56,12 +56,20 @@ pub enum Anchor {
 }
 
 impl Anchor {
-    /// The anchor now.
-    pub(crate) fn grip<'a>(&'a self, motion: &'a Motion<'a>) -> Grip<'a> {
+    /// Coordinates of the body; none of an anchor that no coordinate moves.
+    pub(crate) fn pose(&self) -> Option<&Pose> {
         match self {
-            Self::Base(marker) => Grip::Fixed(marker.frame(motion)),
-            Self::Body(marker) => marker.grip(motion),
-            Self::Given(marker) => Grip::Fixed(marker.frame(motion)),
+            Self::Body(marker) => Some(&marker.pose),
+            Self::Base(_) | Self::Given(_) => None,
+        }
+    }
+
+    /// The anchor on its body as it is now.
+    #[inline]
+    pub(crate) fn grip<'a>(&'a self, motion: &Motion<'_>, now: Option<&'a BodyNow>) -> Grip<'a> {
+        match (self, now) {
+            (Self::Body(marker), Some(now)) => marker.grip(now),
+            _ => Grip::Fixed(self.frame(motion)),
         }
     }
 }

@@ -147,107 +147,141 @@ impl BodyMarker {
     }
 }
 
-/// A marker at one instant, on which forces act; only what is asked for is evaluated.
+/// A body at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyNow {
+    /// Centre of mass, m.
+    position: Vector3<f64>,
+    /// Body to world.
+    axes: Matrix3<f64>,
+    /// Velocity of the centre of mass, m/s.
+    velocity: Vector3<f64>,
+    /// World axes, rad/s.
+    angular_velocity: Vector3<f64>,
+}
+
+impl Pose {
+    /// The body now.
+    pub(crate) fn now(&self, motion: &Motion<'_>) -> BodyNow {
+        let axes = self.axes(motion);
+        BodyNow {
+            position: self.position(motion),
+            axes,
+            velocity: self.velocity(motion),
+            angular_velocity: axes * self.angular_velocity(motion),
+        }
+    }
+}
+
+/// A marker at one instant; only what is asked for is evaluated.
 pub(crate) enum Grip<'a> {
     /// No coordinate moves the marker.
     Fixed(Frame),
     /// The marker of a body.
-    Body(BodyGrip<'a>),
-}
-
-/// A marker of a body at one instant.
-pub(crate) struct BodyGrip<'a> {
-    marker: &'a BodyMarker,
-    motion: &'a Motion<'a>,
-    /// Body to world.
-    axes: Matrix3<f64>,
-    /// The point from the centre of mass, world axes, m.
-    offset: Vector3<f64>,
-}
-
-impl BodyGrip<'_> {
-    fn angular_velocity(&self) -> Vector3<f64> {
-        self.axes * self.marker.pose.angular_velocity(self.motion)
-    }
+    Body {
+        marker: &'a BodyMarker,
+        now: &'a BodyNow,
+        /// The point from the centre of mass, world axes, m.
+        offset: Vector3<f64>,
+    },
 }
 
 impl Grip<'_> {
     /// Position, m.
+    #[inline]
     pub fn position(&self) -> Vector3<f64> {
         match self {
             Self::Fixed(frame) => frame.position,
-            Self::Body(body) => body.marker.pose.position(body.motion) + body.offset,
+            Self::Body { now, offset, .. } => now.position + offset,
+        }
+    }
+
+    /// Position from the centre of mass, world axes, m; zero without body.
+    #[inline]
+    pub fn lever(&self) -> Vector3<f64> {
+        match self {
+            Self::Fixed(_) => Vector3::zeros(),
+            Self::Body { offset, .. } => *offset,
         }
     }
 
     /// Axes of the marker as columns.
+    #[inline]
     pub fn axes(&self) -> Matrix3<f64> {
         match self {
             Self::Fixed(frame) => frame.axes,
-            Self::Body(body) => body.axes * body.marker.axes,
+            Self::Body { marker, now, .. } => now.axes * marker.axes,
         }
     }
 
-    /// Velocity of the point, m/s, and angular velocity, rad/s.
-    pub fn velocities(&self) -> [Vector3<f64>; 2] {
+    /// Velocity of the point, m/s.
+    #[inline]
+    pub fn velocity(&self) -> Vector3<f64> {
         match self {
-            Self::Fixed(frame) => [frame.velocity, frame.angular_velocity],
-            Self::Body(body) => {
-                let turn = body.angular_velocity();
-                [body.marker.pose.velocity(body.motion) + turn.cross(&body.offset), turn]
-            }
+            Self::Fixed(frame) => frame.velocity,
+            Self::Body { now, offset, .. } => now.velocity + now.angular_velocity.cross(offset),
         }
     }
 
-    /// All of it.
-    pub fn frame(&self) -> Frame {
-        let [velocity, angular_velocity] = self.velocities();
+    /// Angular velocity, rad/s.
+    #[inline]
+    pub fn angular_velocity(&self) -> Vector3<f64> {
+        match self {
+            Self::Fixed(frame) => frame.angular_velocity,
+            Self::Body { now, .. } => now.angular_velocity,
+        }
+    }
+
+    fn frame(&self) -> Frame {
         Frame {
             position: self.position(),
             axes: self.axes(),
-            velocity,
-            angular_velocity,
-        }
-    }
-
-    /// Adds the generalised force of a `force` (N) at `offset` (m, world, from the marker's point), as
-    /// [`Columns::add_force`] does.
-    pub fn add_force(&self, force: &Vector3<f64>, offset: &Vector3<f64>, out: &mut [f64]) {
-        let Self::Body(body) = self else { return };
-        let moment = offset.cross(force);
-        let pose = &body.marker.pose;
-        for axis in 0..3 {
-            out[pose.translation + axis] += force[axis];
-            let turn = body.axes.column(axis).into_owned();
-            out[pose.rotation + axis] += turn.cross(&body.offset).dot(force) + turn.dot(&moment);
-        }
-    }
-
-    /// Adds the generalised force of a moment, N·m, world axes.
-    pub fn add_moment(&self, moment: &Vector3<f64>, out: &mut [f64]) {
-        let Self::Body(body) = self else { return };
-        for axis in 0..3 {
-            out[body.marker.pose.rotation + axis] += body.axes.column(axis).dot(moment);
+            velocity: self.velocity(),
+            angular_velocity: self.angular_velocity(),
         }
     }
 }
 
 impl BodyMarker {
-    /// The marker now.
-    pub(crate) fn grip<'a>(&'a self, motion: &'a Motion<'a>) -> Grip<'a> {
-        let axes = self.pose.axes(motion);
-        Grip::Body(BodyGrip {
+    /// The marker of the body as it is now.
+    #[inline]
+    pub(crate) fn grip<'a>(&'a self, now: &'a BodyNow) -> Grip<'a> {
+        Grip::Body {
             marker: self,
-            motion,
-            axes,
-            offset: axes * self.offset,
-        })
+            now,
+            offset: now.axes * self.offset,
+        }
+    }
+}
+
+/// Force (N) and moment about the centre of mass (N·m) on a body, world axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wrench {
+    pub force: Vector3<f64>,
+    pub moment: Vector3<f64>,
+}
+
+impl Wrench {
+    /// Adds the generalised force to `out`.
+    pub fn add_to(&self, pose: &Pose, now: &BodyNow, out: &mut [f64]) {
+        for axis in 0..3 {
+            out[pose.translation + axis] += self.force[axis];
+            out[pose.rotation + axis] += now.axes.column(axis).dot(&self.moment);
+        }
+    }
+}
+
+impl std::ops::AddAssign for Wrench {
+    #[inline]
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.moment += other.moment;
     }
 }
 
 impl Marker for BodyMarker {
     fn frame(&self, motion: &Motion<'_>) -> Frame {
-        self.grip(motion).frame()
+        self.grip(&self.pose.now(motion)).frame()
     }
 
     fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {

@@ -1,7 +1,7 @@
 //! From the scene's vehicle to bodies, bushings, joints and wheels.
 use super::rolling_wheel::Rolling;
 use super::{CurveInertia, RollingWheel, Spin, Vehicle, VehicleWheel, WheelSpring};
-use crate::multibody::{Anchor, BodyMarker, Bushing, Characteristic, Joint, Pair, Pose, Rates, RigidBody};
+use crate::multibody::{Anchor, BodyMarker, Bushing, Bushings, Characteristic, Joint, Pair, Pose, Rates, RigidBody};
 use crate::pantograph::Offsets;
 use crate::track::{Alignment, TrackShape};
 use crate::wheel_rail::{CreepLaw, CreepModel, Fastsim, Hertz, KalkerCoefficients, Material, Profile, Side};
@@ -312,7 +312,7 @@ impl Vehicle {
             constraint_count,
             names,
             bearing_count: bushings.len() - before,
-            bushings,
+            bushings: Bushings::new(bushings),
             joints,
             wheels: builder.wheels(base, track)?,
             spins: Vec::new(),

@@ -22,7 +22,7 @@ mod statics;
 mod tests;
 mod wheel_spring;
 
-use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
+use crate::multibody::{BodyMarker, Bushing, Bushings, Joint, RigidBody};
 use crate::pantograph::Offsets;
 use crate::travel::Travel;
 pub(crate) use curve_inertia::CurveInertia;
@@ -76,7 +76,7 @@ pub struct Vehicle {
     names: Vec<String>,
     bodies: Vec<RigidBody>,
     /// Bushings, then bearings.
-    bushings: Vec<Bushing>,
+    bushings: Bushings,
     bearing_count: usize,
     joints: Vec<Joint>,
     /// Left and right wheel of each wheelset in turn.
@@ -119,7 +119,7 @@ impl Vehicle {
     #[must_use]
     pub fn counts(&self) -> [usize; 3] {
         [
-            self.bushings.len() - self.bearing_count,
+            self.bushings.as_slice().len() - self.bearing_count,
             self.bearing_count,
             self.joints.len(),
         ]
@@ -128,7 +128,7 @@ impl Vehicle {
     /// Bushings, then bearings.
     #[must_use]
     pub fn bushings(&self) -> &[Bushing] {
-        &self.bushings
+        self.bushings.as_slice()
     }
 
     /// Number of generalised velocities that are free.
@@ -182,9 +182,7 @@ impl Vehicle {
         for body in &mut self.bodies {
             visit("vehicle", body);
         }
-        for bushing in &mut self.bushings {
-            visit("vehicle", bushing);
-        }
+        visit("vehicle", &mut self.bushings);
         for wheel in &mut self.wheels {
             visit(wheel.part(), wheel.contribution());
         }

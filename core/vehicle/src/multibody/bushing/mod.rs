@@ -1,11 +1,14 @@
 //! Bushings: springs and dampers between two bodies in all six directions.
 use super::measure::{WIDTH, add_square};
-use super::{Characteristic, Grip, Measure, Pair};
+use super::{BodyNow, Characteristic, Grip, Measure, Pair, Wrench};
 use dynamics::{Blocks, Force, Marker, Motion, Weights};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+mod set;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use set::Bushings;
 
 /// Rates of a bushing along and about the axes of the first anchor, one entry per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,7 +94,8 @@ impl Bushing {
         [Measure::Direction(k, j), Measure::Direction(j, k)]
     }
 
-    fn view(&self, a: &Grip<'_>, b: &Grip<'_>) -> BushingView {
+    #[inline]
+    fn view(&self, [a, b]: &[Grip<'_>; 2]) -> BushingView {
         let Rates {
             stiffness,
             damping,
@@ -109,8 +113,7 @@ impl Bushing {
             dissipated: 0.0,
         };
         if damping != Vector3::zeros() {
-            let ([of_a, turn], [of_b, _]) = (a.velocities(), b.velocities());
-            let rate = to_first * (of_b - of_a - turn.cross(&distance));
+            let rate = to_first * (b.velocity() - a.velocity() - a.angular_velocity().cross(&distance));
             let viscous = damping.component_mul(&rate);
             load.force -= viscous;
             load.dissipated = viscous.dot(&rate);
@@ -123,7 +126,7 @@ impl Bushing {
         let turns = self.rates.resists_rotation().then(|| {
             let axes_of_b = b.axes();
             let turns = turns(&axes, &axes_of_b);
-            let relative = b.velocities()[1] - a.velocities()[1];
+            let relative = b.angular_velocity() - a.angular_velocity();
             let cross = to_first * axes_of_b;
             for i in 0..3 {
                 let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -145,32 +148,63 @@ impl Bushing {
     /// Displacements and forces now.
     #[must_use]
     pub fn load(&self, motion: &Motion<'_>) -> BushingLoad {
-        self.view(&self.pair.first.grip(motion), &self.pair.second.grip(motion))
-            .load
-    }
-}
-
-impl Force for Bushing {
-    fn depends_on_inputs(&self) -> bool {
-        false
+        let now = self.bodies_now(motion);
+        self.view(&self.grips(motion, [now[0].as_ref(), now[1].as_ref()])).load
     }
 
-    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let (first, second) = (self.pair.first.grip(motion), self.pair.second.grip(motion));
+    /// The bodies of both anchors.
+    fn bodies_now(&self, motion: &Motion<'_>) -> [Option<BodyNow>; 2] {
+        [&self.pair.first, &self.pair.second].map(|anchor| anchor.pose().map(|pose| pose.now(motion)))
+    }
+
+    /// Both anchors on their bodies as they are now.
+    #[inline]
+    fn grips<'a>(&'a self, motion: &Motion<'_>, now: [Option<&'a BodyNow>; 2]) -> [Grip<'a>; 2] {
+        [self.pair.first.grip(motion, now[0]), self.pair.second.grip(motion, now[1])]
+    }
+
+    /// Forces on the bodies of both anchors.
+    #[inline]
+    fn wrenches(&self, grips: &[Grip<'_>; 2]) -> [Wrench; 2] {
         let BushingView {
             load,
             distance,
             axes,
             turns,
-        } = self.view(&first, &second);
+        } = self.view(grips);
         let along = axes * load.force;
-        first.add_force(&-along, &distance, force);
-        second.add_force(&along, &Vector3::zeros(), force);
+        let mut wrenches = [
+            Wrench {
+                force: -along,
+                moment: -(grips[0].lever() + distance).cross(&along),
+            },
+            Wrench {
+                force: along,
+                moment: grips[1].lever().cross(&along),
+            },
+        ];
         if let Some(turns) = turns {
             let about: Vector3<f64> = turns.iter().zip(load.moment.iter()).map(|(turn, m)| turn * *m).sum();
-            first.add_moment(&-about, force);
-            second.add_moment(&about, force);
+            wrenches[0].moment -= about;
+            wrenches[1].moment += about;
         }
+        wrenches
+    }
+}
+
+impl Force for Bushing {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        let now = self.bodies_now(motion);
+        let wrenches = self.wrenches(&self.grips(motion, [now[0].as_ref(), now[1].as_ref()]));
+        for ((anchor, now), wrench) in [&self.pair.first, &self.pair.second].into_iter().zip(&now).zip(&wrenches) {
+            if let (Some(pose), Some(now)) = (anchor.pose(), now) {
+                wrench.add_to(pose, now, force);
+            }
+        }
+    }
+
+    fn depends_on_inputs(&self) -> bool {
+        false
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
