@@ -1,7 +1,7 @@
 //! Ends of joints and springs: on a body or on the base.
 use super::{BodyMarker, BodyNow, Grip, Pose};
 use crate::GivenMotion;
-use dynamics::{Columns, Frame, Marker, Motion};
+use dynamics::{Column, Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -61,6 +61,27 @@ impl Anchor {
         match self {
             Self::Body(marker) => Some(&marker.pose),
             Self::Base(_) | Self::Given(_) => None,
+        }
+    }
+
+    /// Position (m) and axes.
+    pub(crate) fn place(&self, motion: &Motion<'_>) -> (Vector3<f64>, Matrix3<f64>) {
+        self.columns_of(motion, &mut |_| ())
+    }
+
+    /// Position (m) and axes; `see` is given the columns of [`Marker::columns`].
+    #[inline]
+    pub(crate) fn columns_of(
+        &self,
+        motion: &Motion<'_>,
+        see: &mut impl FnMut(Column),
+    ) -> (Vector3<f64>, Matrix3<f64>) {
+        match self {
+            Self::Body(marker) => marker.columns_of(motion, see),
+            Self::Base(_) | Self::Given(_) => {
+                let frame = self.frame(motion);
+                (frame.position, frame.axes)
+            }
         }
     }
 

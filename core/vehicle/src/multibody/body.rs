@@ -1,6 +1,6 @@
 //! Rigid bodies and points fixed in them.
 use dynamics::rotation::skew;
-use dynamics::{Blocks, Columns, Force, Frame, Layout, Marker, Motion, Weights};
+use dynamics::{Blocks, Column, Columns, Force, Frame, Layout, Marker, Motion, Weights};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// Indices of the coordinates of a rigid body: three displacements of the centre of mass from the reference position,
@@ -243,6 +243,33 @@ impl Grip<'_> {
 }
 
 impl BodyMarker {
+    /// Position (m) and axes; `see` is given the columns.
+    #[inline]
+    pub(crate) fn columns_of(
+        &self,
+        motion: &Motion<'_>,
+        see: &mut impl FnMut(Column),
+    ) -> (Vector3<f64>, Matrix3<f64>) {
+        let axes = self.pose.axes(motion);
+        let offset = axes * self.offset;
+        for axis in 0..3 {
+            see(Column {
+                index: self.pose.translation + axis,
+                translation: Vector3::ith(axis, 1.0),
+                rotation: Vector3::zeros(),
+            });
+        }
+        for axis in 0..3 {
+            let rotation = axes.column(axis).into_owned();
+            see(Column {
+                index: self.pose.rotation + axis,
+                translation: rotation.cross(&offset),
+                rotation,
+            });
+        }
+        (self.pose.position(motion) + offset, axes * self.axes)
+    }
+
     /// The marker of the body as it is now.
     #[inline]
     pub(crate) fn grip<'a>(&'a self, now: &'a BodyNow) -> Grip<'a> {
@@ -285,14 +312,8 @@ impl Marker for BodyMarker {
     }
 
     fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {
-        let axes = self.pose.axes(motion);
-        let offset = axes * self.offset;
-        for axis in 0..3 {
-            columns.push(self.pose.translation + axis, Vector3::ith(axis, 1.0), Vector3::zeros());
-        }
-        for axis in 0..3 {
-            let rotation = axes.column(axis).into_owned();
-            columns.push(self.pose.rotation + axis, rotation.cross(&offset), rotation);
-        }
+        self.columns_of(motion, &mut |column| {
+            columns.push(column.index, column.translation, column.rotation);
+        });
     }
 }

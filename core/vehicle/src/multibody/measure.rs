@@ -5,8 +5,8 @@
 //! direction `a` by `c_k × a`. A column changes with a rotation l of the same body by `c_l × t_k`, `c_l × c_k`, if k is
 //! a rotation too; displacements have constant columns. [Haug 1989, chapters 9 and 11]
 use super::Anchor;
-use dynamics::{Blocks, Column, Columns, Frame, Marker, Motion};
-use nalgebra::{SMatrix, SVector, Vector3};
+use dynamics::{Blocks, Column, Motion};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Largest number of generalised velocities that two rigid bodies have.
 pub(crate) const WIDTH: usize = 12;
@@ -34,8 +34,8 @@ pub enum Measure {
 /// A pair at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairView {
-    first: Frame,
-    second: Frame,
+    /// Axes of the first and of the second anchor.
+    axes: [Matrix3<f64>; 2],
     distance: Vector3<f64>,
     columns: [Column; WIDTH],
     indices: [usize; WIDTH],
@@ -46,35 +46,32 @@ pub(crate) struct PairView {
 impl Pair {
     /// Values of `measures`, one after the other.
     pub(crate) fn values(&self, motion: &Motion<'_>, measures: &[Measure], values: &mut [f64]) {
-        let (first, second) = (self.first.frame(motion), self.second.frame(motion));
-        let distance = second.position - first.position;
+        let [(first, first_axes), (second, second_axes)] = [self.first.place(motion), self.second.place(motion)];
+        let (axes, distance) = ([first_axes, second_axes], second - first);
         for (value, &measure) in values.iter_mut().zip(measures) {
-            *value = measure.value([&first, &second], &distance);
+            *value = measure.value(&axes, &distance);
         }
     }
 
-    /// Frames and columns of both anchors.
+    /// Places and columns of both anchors.
     pub(crate) fn view(&self, motion: &Motion<'_>) -> PairView {
-        let mut all = Columns::default();
-        self.first.columns(motion, &mut all);
-        let first_count = all.as_slice().len();
-        self.second.columns(motion, &mut all);
-        let empty = Column {
+        const NONE: Column = Column {
             index: 0,
-            translation: Vector3::zeros(),
-            rotation: Vector3::zeros(),
+            translation: Vector3::new(0.0, 0.0, 0.0),
+            rotation: Vector3::new(0.0, 0.0, 0.0),
         };
-        let (mut columns, mut indices) = ([empty; WIDTH], [0; WIDTH]);
-        let count = all.as_slice().len();
-        columns[..count].copy_from_slice(all.as_slice());
-        for (index, column) in indices.iter_mut().zip(all.as_slice()) {
-            *index = column.index;
-        }
-        let (first, second) = (self.first.frame(motion), self.second.frame(motion));
+        let (mut columns, mut indices, mut count) = ([NONE; WIDTH], [0; WIDTH], 0);
+        let mut push = |column: Column| {
+            columns[count] = column;
+            indices[count] = column.index;
+            count += 1;
+        };
+        let (first, first_axes) = self.first.columns_of(motion, &mut push);
+        let first_count = self.first.pose().map_or(0, |_| WIDTH / 2);
+        let (second, second_axes) = self.second.columns_of(motion, &mut push);
         PairView {
-            distance: second.position - first.position,
-            first,
-            second,
+            axes: [first_axes, second_axes],
+            distance: second - first,
             columns,
             indices,
             first_count,
@@ -84,12 +81,12 @@ impl Pair {
 }
 
 impl Measure {
-    /// Value between two frames, the second one at `distance` from the first.
-    fn value(self, [first, second]: [&Frame; 2], distance: &Vector3<f64>) -> f64 {
+    /// Value between two anchors with these axes, the second one at `distance` from the first.
+    fn value(self, axes: &[Matrix3<f64>; 2], distance: &Vector3<f64>) -> f64 {
         match self {
             Self::Point(axis) => distance[axis],
-            Self::Along(axis) => PairView::axis(first, axis).dot(distance),
-            Self::Direction(a, b) => PairView::axis(first, a).dot(&PairView::axis(second, b)),
+            Self::Along(axis) => axes[0].column(axis).dot(distance),
+            Self::Direction(a, b) => axes[0].column(a).dot(&axes[1].column(b)),
         }
     }
 }
@@ -100,13 +97,13 @@ impl PairView {
         &self.indices[..self.count]
     }
 
-    fn axis(frame: &Frame, number: usize) -> Vector3<f64> {
-        frame.axes.column(number).into_owned()
+    fn axis(&self, anchor: usize, number: usize) -> Vector3<f64> {
+        self.axes[anchor].column(number).into_owned()
     }
 
     /// Value of a measure.
     pub(crate) fn value(&self, measure: Measure) -> f64 {
-        measure.value([&self.first, &self.second], &self.distance)
+        measure.value(&self.axes, &self.distance)
     }
 
     fn is_first(&self, k: usize) -> bool {
@@ -130,7 +127,7 @@ impl PairView {
                 }
             }
             Measure::Along(axis) => {
-                let a = Self::axis(&self.first, axis);
+                let a = self.axis(0, axis);
                 for k in 0..self.count {
                     let (c, t) = self.column(k);
                     let turn = if self.is_first(k) {
@@ -142,7 +139,7 @@ impl PairView {
                 }
             }
             Measure::Direction(a, b) => {
-                let normal = Self::axis(&self.first, a).cross(&Self::axis(&self.second, b));
+                let normal = self.axis(0, a).cross(&self.axis(1, b));
                 for k in 0..self.count {
                     let sign = if self.is_first(k) { 1.0 } else { -1.0 };
                     gradient[k] = sign * self.columns[k].rotation.dot(&normal);
@@ -168,7 +165,7 @@ impl PairView {
     /// Rates of the turn of the second anchor against the first one about the third axis of the first, rad, one per
     /// entry of [`PairView::indices`], zero behind.
     pub(crate) fn turning(&self) -> SVector<f64, WIDTH> {
-        let axis = Self::axis(&self.first, 2);
+        let axis = self.axis(0, 2);
         SVector::from_fn(|k, _| {
             if k < self.count {
                 self.turn_of(k) * axis.dot(&self.column(k).0)
@@ -180,7 +177,7 @@ impl PairView {
 
     /// Derivative of entry k (row) of [`PairView::turning`] in the direction of velocity l (column).
     pub(crate) fn turning_change(&self) -> SMatrix<f64, WIDTH, WIDTH> {
-        let axis = Self::axis(&self.first, 2);
+        let axis = self.axis(0, 2);
         SMatrix::from_fn(|k, l| {
             if k >= self.count || l >= self.count {
                 return 0.0;
@@ -218,7 +215,7 @@ impl PairView {
         match measure {
             Measure::Point(axis) => t_kl[axis],
             Measure::Along(axis) => {
-                let a = Self::axis(&self.first, axis);
+                let a = self.axis(0, axis);
                 let a_l = if self.is_first(l) {
                     c_l.cross(&a)
                 } else {
@@ -231,7 +228,7 @@ impl PairView {
                 sum
             }
             Measure::Direction(a, b) => {
-                let (a, b) = (Self::axis(&self.first, a), Self::axis(&self.second, b));
+                let (a, b) = (self.axis(0, a), self.axis(1, b));
                 let normal_l = if self.is_first(l) {
                     c_l.cross(&a).cross(&b)
                 } else {
