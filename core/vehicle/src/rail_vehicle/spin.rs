@@ -89,8 +89,10 @@ impl Marker for WheelsetMarker {
     }
 
     fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {
-        self.axle.columns(motion, columns);
-        let axle = self.axle.frame(motion).axes.column(1).into_owned();
+        let (_, axes) = self.axle.columns_of(motion, &mut |column| {
+            columns.push(column.index, column.translation, column.rotation);
+        });
+        let axle = axes.column(1).into_owned();
         columns.push(self.coordinate, Vector3::zeros(), axle);
     }
 }

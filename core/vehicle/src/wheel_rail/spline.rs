@@ -5,8 +5,8 @@
 pub(crate) struct Spline {
     x: Vec<f64>,
     y: Vec<f64>,
-    /// Second derivatives at the points.
-    curvature: Vec<f64>,
+    /// Powers of the distance from the first point of each segment, ascending.
+    powers: Vec<[f64; 4]>,
 }
 
 /// Value and the first three derivatives of a spline.
@@ -31,7 +31,14 @@ impl Spline {
         for i in (1..n - 1).rev() {
             curvature[i] -= upper[i] * curvature[i + 1];
         }
-        Self { x, y, curvature }
+        let powers = (0..n - 1)
+            .map(|i| {
+                let (h, m) = (x[i + 1] - x[i], [curvature[i], curvature[i + 1]]);
+                let slope = (y[i + 1] - y[i]) / h - (2.0 * m[0] + m[1]) * h / 6.0;
+                [y[i], slope, 0.5 * m[0], (m[1] - m[0]) / (6.0 * h)]
+            })
+            .collect();
+        Self { x, y, powers }
     }
 
     /// First and last abscissa.
@@ -62,18 +69,15 @@ impl Spline {
     }
 
     /// Value and derivatives at `x`, which lies in the given segment.
+    #[inline]
     pub fn in_segment(&self, segment: usize, x: f64) -> Jet3 {
         let [first, last] = self.range();
         let inside = x.clamp(first, last);
-        let (x0, x1) = (self.x[segment], self.x[segment + 1]);
-        let (y0, y1) = (self.y[segment], self.y[segment + 1]);
-        let (m0, m1) = (self.curvature[segment], self.curvature[segment + 1]);
-        let h = x1 - x0;
-        let (a, b) = ((x1 - inside) / h, (inside - x0) / h);
-        let value = a * y0 + b * y1 + ((a * a * a - a) * m0 + (b * b * b - b) * m1) * h * h / 6.0;
-        let slope = (y1 - y0) / h + ((3.0 * b * b - 1.0) * m1 - (3.0 * a * a - 1.0) * m0) * h / 6.0;
+        let (t, [a, b, c, d]) = (inside - self.x[segment], self.powers[segment]);
+        let value = a + t * (b + t * (c + t * d));
+        let slope = b + t * (2.0 * c + 3.0 * t * d);
         if inside == x {
-            Jet3([value, slope, a * m0 + b * m1, (m1 - m0) / h])
+            Jet3([value, slope, 2.0 * c + 6.0 * t * d, 6.0 * d])
         } else {
             Jet3([value + slope * (x - inside), slope, 0.0, 0.0])
         }
