@@ -2,7 +2,7 @@
 use super::contact_point::{ContactPoint, Pairing, SurfaceParameters};
 use super::{Profile, ProfilePoint, RailFrame, Wheel};
 use nalgebra::Vector3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Distance of the samples of a profile, m.
 const STEP: f64 = 5e-4;
@@ -251,6 +251,23 @@ impl Search {
     }
 }
 
+/// A look at consecutive samples, in the vector registers of the processor.
+struct Look<'a, 'b> {
+    outline: &'a Outline<'b>,
+    size: usize,
+    view: &'a mut View,
+}
+
+impl WithSimd for Look<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.outline.trace(self.view.start, self.size, self.view);
+        self.outline.measure(self.size, self.view);
+    }
+}
+
 /// The outline of a wheel over a rail, seen along the rail.
 struct Outline<'a> {
     search: &'a Search,
@@ -294,10 +311,16 @@ impl<'a> Outline<'a> {
     /// Looks at `size` samples of the wheel from `start` on.
     fn look(&self, start: usize, size: usize, view: &mut View) {
         view.start = start;
-        self.search.arch.dispatch(
-            #[inline(always)]
-            || self.trace(start, size, view),
-        );
+        self.search.arch.dispatch(Look {
+            outline: self,
+            size,
+            view,
+        });
+    }
+
+    /// Heights over the rail.
+    #[inline(always)]
+    fn measure(&self, size: usize, view: &mut View) {
         let rail = &self.search.rail;
         for i in 0..size {
             // The outline ends where its normal would have to point along the rail.

@@ -14,7 +14,7 @@ fn a_bushing_that_is_turned_acts_along_its_own_axes() {
     let [phi, theta, psi] = [0.3, -0.7, 1.1_f64];
     let rates = Vector3::new(3e7, 4e6, 5e5);
     let key = PEDESTAL.0;
-    let mut alone = full(
+    let alone = full(
         &full_scene(&[
             &format!("{key}.orientation=[{phi:?},{theta:?},{psi:?}]"),
             &format!("{key}.stiffness=[3e7,4e6,5e5]"),
@@ -40,6 +40,23 @@ fn a_bushing_that_is_turned_acts_along_its_own_axes() {
     let expected = -(turn * Matrix3::from_diagonal(&rates) * turn.transpose() * moved);
     println!("{found:?} of {expected:?}");
     assert!((found - expected).norm() < 1e-12 * expected.norm()); // rounding
+}
+
+#[test]
+fn bushings_together_are_the_sum_of_each_by_itself() {
+    let mut alone = full(&full_scene(&[]), None);
+    let state = check::awkward(&alone.layout);
+    let motion = state.motion(&[]);
+    let mut sum = vec![0.0; alone.layout.coordinates()];
+    for bushing in alone.vehicle.bushings() {
+        bushing.clone().add_force(&motion, &mut sum);
+    }
+    let found = check::force(&mut alone.vehicle.bushings, &motion);
+    let largest = found.amax();
+    for (found, expected) in found.iter().zip(&sum) {
+        assert!((found - expected).abs() < 1e-13 * largest, "{found} {expected}"); // rounding
+    }
+    assert!(largest > 1e5);
 }
 
 /// Displacements (m) after a second at 200 km/h, with the wheelsets pushed aside at the start.

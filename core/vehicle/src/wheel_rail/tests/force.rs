@@ -181,6 +181,31 @@ fn a_restored_search_repeats_bit_for_bit() {
     other.begin_step(&motion, 1e-3);
 }
 
+#[test]
+fn a_search_from_the_last_points_finds_those_of_a_search_from_nowhere() {
+    let (mut known, state) = moving(CreepLaw::Polach, -4.1e-3);
+    let (mut unknown, _) = moving(CreepLaw::Polach, -4.1e-3);
+    for way in [0.0, 1e-9, 2e-5, -1e-4, 3e-4, 4e-3] {
+        let moved = moved(&known.layout, &state, 1, way);
+        let motion = moved.motion(&[]);
+        for (known, unknown) in known.wheels.iter_mut().zip(&mut unknown.wheels) {
+            known.begin_step(&motion, 1e-3);
+            unknown.restore(&mut [].iter());
+            unknown.begin_step(&motion, 1e-3);
+            // The force of the points just found, and of points that are followed.
+            for _ in 0..2 {
+                let [found, expected] = [force(known, &motion), force(unknown, &motion)];
+                // Rounding of penetrations of some 10 µm at 0.5 m.
+                assert!((&found - &expected).amax() < 1e-9 * expected.amax().max(1.0), "{way}");
+            }
+            assert_eq!(
+                known.contacts(&motion).iter().flatten().count(),
+                unknown.contacts(&motion).iter().flatten().count()
+            );
+        }
+    }
+}
+
 fn other_state(state: &State) -> State {
     let mut other = state.clone();
     other.q[1] += 5e-3;
