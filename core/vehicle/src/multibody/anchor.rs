@@ -71,11 +71,7 @@ impl Anchor {
 
     /// Position (m) and axes; `see` is given the columns of [`Marker::columns`].
     #[inline]
-    pub(crate) fn columns_of(
-        &self,
-        motion: &Motion<'_>,
-        see: &mut impl FnMut(Column),
-    ) -> (Vector3<f64>, Matrix3<f64>) {
+    pub(crate) fn columns_of(&self, motion: &Motion<'_>, see: &mut impl FnMut(Column)) -> (Vector3<f64>, Matrix3<f64>) {
         match self {
             Self::Body(marker) => marker.columns_of(motion, see),
             Self::Base(_) | Self::Given(_) => {

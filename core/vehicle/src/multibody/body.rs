@@ -245,11 +245,7 @@ impl Grip<'_> {
 impl BodyMarker {
     /// Position (m) and axes; `see` is given the columns.
     #[inline]
-    pub(crate) fn columns_of(
-        &self,
-        motion: &Motion<'_>,
-        see: &mut impl FnMut(Column),
-    ) -> (Vector3<f64>, Matrix3<f64>) {
+    pub(crate) fn columns_of(&self, motion: &Motion<'_>, see: &mut impl FnMut(Column)) -> (Vector3<f64>, Matrix3<f64>) {
         let axes = self.pose.axes(motion);
         let offset = axes * self.offset;
         for axis in 0..3 {

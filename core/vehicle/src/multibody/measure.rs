@@ -118,12 +118,14 @@ impl PairView {
     }
 
     /// Derivatives of a measure, one per entry of [`PairView::indices`], zero behind.
+    #[inline]
     pub(crate) fn gradient(&self, measure: Measure) -> SVector<f64, WIDTH> {
         let mut gradient = SVector::zeros();
         match measure {
             Measure::Point(axis) => {
-                for k in 0..self.count {
-                    gradient[k] = self.column(k).1[axis];
+                for (k, column) in self.columns[..self.count].iter().enumerate() {
+                    let sign = if self.is_first(k) { -1.0 } else { 1.0 };
+                    gradient[k] = column.translation[axis] * sign;
                 }
             }
             Measure::Along(axis) => {

@@ -78,6 +78,37 @@ struct Start {
     /// Arc length of the rail near the wheelset; none before the first search.
     s: Option<f64>,
     found: Found,
+    /// Position at the last search over the whole width.
+    searched: Option<OverRail>,
+}
+
+/// Position of a wheelset over its rail, as far as it decides which points there are: y and z of the middle, the axle,
+/// and the direction of the rail, in the axes of the rail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OverRail([f64; OverRail::COUNT]);
+
+impl OverRail {
+    const COUNT: usize = 8;
+
+    /// Changes below which points stay the same but for rounding, m and –. The height decides only which points are
+    /// followed before they touch, far above the rail.
+    const STILL: f64 = 1e-12;
+    const STILL_HEIGHT: f64 = 1e-4;
+
+    fn new(pairing: &Pairing<'_>, s: f64) -> Self {
+        let rail = pairing.rail.line.frame(s, pairing.from);
+        let own = |vector: Vector3<f64>| rail.axes.tr_mul(&vector);
+        let middle = own(pairing.middle - rail.position);
+        let [axle, along] = [own(pairing.axes.column(1).into_owned()), own(rail.direction)];
+        Self([middle.y, middle.z, axle.x, axle.y, axle.z, along.x, along.y, along.z])
+    }
+
+    fn is_as(&self, other: &Self) -> bool {
+        let mut changes = self.0.iter().zip(&other.0).map(|(a, b)| (a - b).abs());
+        changes.next().is_some_and(|aside| aside < Self::STILL)
+            && changes.next().is_some_and(|height| height < Self::STILL_HEIGHT)
+            && changes.all(|turn| turn < Self::STILL)
+    }
 }
 
 /// The contacts of a wheel at one instant.
@@ -93,6 +124,7 @@ impl WheelRail {
             start: Start {
                 s: None,
                 found: Found::default(),
+                searched: None,
             },
             kept: None,
         }
@@ -166,8 +198,39 @@ impl WheelRail {
     }
 
     /// Searches over the whole width of the profiles.
-    fn search(&self, pairing: &Pairing<'_>, place: &WheelsetPosition, points: &mut Points) -> Start {
-        // Arc length whose normal plane holds the middle of the wheelset.
+    fn search(&self, pairing: &Pairing<'_>, s: f64, points: &mut Points) -> Start {
+        self.search.contacts(pairing, s, &self.found_from(s), points);
+        Start {
+            s: Some(s),
+            found: points.found(),
+            searched: Some(OverRail::new(pairing, s)),
+        }
+    }
+
+    /// Points of the beginning step: those of the last one where the wheelset goes straight on over a smooth rail, else
+    /// those of a search.
+    fn search_or_go_on(&self, pairing: &Pairing<'_>, s: f64, points: &mut Points) -> Start {
+        let goes_on = self
+            .start
+            .searched
+            .filter(|last| last.is_as(&OverRail::new(pairing, s)));
+        if goes_on.is_some() && points.follow(pairing, &self.found_from(s)) {
+            return Start {
+                s: Some(s),
+                found: points.found(),
+                searched: goes_on,
+            };
+        }
+        self.search(pairing, s, points)
+    }
+
+    /// The points of the last search as seen from `s`.
+    fn found_from(&self, s: f64) -> Found {
+        self.start.found.moved(s - self.start.s.unwrap_or(s))
+    }
+
+    /// Arc length whose normal plane holds the middle of the wheelset, m.
+    fn arc_length(&self, pairing: &Pairing<'_>, place: &WheelsetPosition) -> f64 {
         let mut s = self.start.s.unwrap_or(place.s);
         for _ in 0..20 {
             let rail = self.parts.rail.line.frame(s, place.from);
@@ -178,12 +241,7 @@ impl WheelRail {
                 break; // A start is enough.
             }
         }
-        let moved = s - self.start.s.unwrap_or(s);
-        self.search.contacts(pairing, s, &self.start.found.moved(moved), points);
-        Start {
-            s: Some(s),
-            found: points.found(),
-        }
+        s
     }
 
     /// Finds the points from those of the last search, or by another one; returns the start of the next search.
@@ -195,7 +253,7 @@ impl WheelRail {
                 ..self.start
             };
         }
-        let start = self.search(&pairing, place, points);
+        let start = self.search(&pairing, self.arc_length(&pairing, place), points);
         if !points.are_apart() {
             points.clear();
         }
@@ -330,7 +388,9 @@ impl StepHistory for WheelRail {
     fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         let place = self.place(motion);
         let mut kept = self.kept.take().unwrap_or_default();
-        self.start = self.search(&self.pairing(&place), &place, &mut kept.points);
+        let pairing = self.pairing(&place);
+        let start = self.search_or_go_on(&pairing, self.arc_length(&pairing, &place), &mut kept.points);
+        self.start = start;
         kept.at = kept.points.are_apart().then_some((place.from, place.frame));
         self.kept = Some(kept);
     }
@@ -344,6 +404,7 @@ impl StepHistory for WheelRail {
                 None => out.extend([0.0; 5]),
             }
         }
+        out.extend(self.start.searched.map_or([f64::NAN; OverRail::COUNT], |over| over.0));
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
@@ -361,5 +422,7 @@ impl StepHistory for WheelRail {
             };
             *place = is_there.then_some(at);
         }
+        // Nothing is as what is not a number.
+        self.start.searched = Some(OverRail(std::array::from_fn(|_| next())));
     }
 }

@@ -160,7 +160,10 @@ impl Bushing {
     /// Both anchors on their bodies as they are now.
     #[inline]
     fn grips<'a>(&'a self, motion: &Motion<'_>, now: [Option<&'a BodyNow>; 2]) -> [Grip<'a>; 2] {
-        [self.pair.first.grip(motion, now[0]), self.pair.second.grip(motion, now[1])]
+        [
+            self.pair.first.grip(motion, now[0]),
+            self.pair.second.grip(motion, now[1]),
+        ]
     }
 
     /// Forces on the bodies of both anchors.
@@ -196,7 +199,11 @@ impl Force for Bushing {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let now = self.bodies_now(motion);
         let wrenches = self.wrenches(&self.grips(motion, [now[0].as_ref(), now[1].as_ref()]));
-        for ((anchor, now), wrench) in [&self.pair.first, &self.pair.second].into_iter().zip(&now).zip(&wrenches) {
+        for ((anchor, now), wrench) in [&self.pair.first, &self.pair.second]
+            .into_iter()
+            .zip(&now)
+            .zip(&wrenches)
+        {
             if let (Some(pose), Some(now)) = (anchor.pose(), now) {
                 wrench.add_to(pose, now, force);
             }

@@ -185,7 +185,7 @@ fn a_restored_search_repeats_bit_for_bit() {
 fn a_search_from_the_last_points_finds_those_of_a_search_from_nowhere() {
     let (mut known, state) = moving(CreepLaw::Polach, -4.1e-3);
     let (mut unknown, _) = moving(CreepLaw::Polach, -4.1e-3);
-    for way in [0.0, 1e-9, 2e-5, -1e-4, 3e-4, 4e-3] {
+    for way in [0.0, 0.0, 1e-13, 1e-9, 2e-5, -1e-4, 3e-4, 4e-3] {
         let moved = moved(&known.layout, &state, 1, way);
         let motion = moved.motion(&[]);
         for (known, unknown) in known.wheels.iter_mut().zip(&mut unknown.wheels) {
