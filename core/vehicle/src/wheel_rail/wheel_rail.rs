@@ -43,7 +43,7 @@ pub struct WheelRailParts {
 ///
 /// The forces act at the point of the undeformed wheel. All points of largest overlap count (tread, flange). A search
 /// over the whole width at the begin of a step finds the points and Newton's method follows them within the step; a
-/// lost point starts another search.
+/// lost point starts another search. A wheelset that goes straight on over a smooth rail is not searched anew.
 pub struct WheelRail {
     parts: WheelRailParts,
     search: Search,
