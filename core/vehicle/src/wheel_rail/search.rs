@@ -54,7 +54,7 @@ impl Points {
             .for_each(|point| *point = None);
     }
 
-    /// Where these points are.
+    /// Places of these points.
     pub fn found(&self) -> Found {
         let place = |point: &Option<ContactPoint>| point.as_ref().map(|point| point.parameters);
         Found {
