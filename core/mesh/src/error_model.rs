@@ -6,12 +6,12 @@
 //!
 //! ```text
 //! μ = l f / √(c (c − v))
-//! by waves:   W(f) = a μ²    plain; half of it with one of contact_compliance and bending_layers
-//!                    b μ⁴    with both
+//! by waves:   W(f) = a μ²              plain; half of it with one of contact_compliance and bending_layers
+//!                    max(b μ⁴, b₂ μ²)  with both
 //! by length:  L(f) = g l² (1 + (f/f₁)²)    g larger with fewer corrections, and without both as 1/v below 120 km/h
 //! space:      u max(W(f), L(f)), and at most u W(max(f, f₀)) max(1, v₀/v)²
 //! time:       u d h² f max(f, f₀)                           without mass_correction
-//!             u (d₁ h² + d |h₁² − h²|) f max(f, f₀)         with it, made for steps h₁
+//!             u (d₁ h² + d |h₁² − h²|) f max(f, f₀)         with it, made for steps h₁, of the wire farthest from h
 //! u:          √(5·10⁻⁵ s / damping.beta), at least 1
 //! error of the filtered force, % of its standard deviation: √(space² + time²)
 //! ```
@@ -34,6 +34,8 @@ const PLAIN: f64 = 80.0;
 const WITH_ONE_CORRECTION: f64 = 0.5;
 /// Factor `b` of the mesh with both corrections, %.
 const CORRECTED: f64 = 200.0;
+/// Factor `b₂` of that mesh where its elements are short, %: corrections leave a small part of the second order.
+const CORRECTED_SHORT: f64 = 10.0;
 /// Factor `d` of the time step, %·(1/(s Hz))².
 const STEP: f64 = 5000.0;
 /// Factor `d₁` of the time step with the mass correction, %·(1/(s Hz))².
@@ -104,7 +106,7 @@ pub fn expected_error(scene: &Scene) -> Result<MeshError, String> {
 pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> {
     let (catenary, contact) = scene.modelled_line().ok_or("a line that is a supplied FMU")?;
     has_a_rule(scene, catenary)?;
-    let (f, corrected) = (scene.run.low_pass_hz, corrected_steps(scene, catenary).contact_wire);
+    let (f, corrected) = (scene.run.low_pass_hz, corrected_steps(scene, catenary));
     let squares = match (catenary.mesh.has(Correction::MassCorrection), contact.law) {
         // The line is exact in time; the straight force within a step is not.
         _ if scene.model.has(Reduction::Modal) => MODAL_STEP * (step * f).powi(2),
@@ -115,8 +117,9 @@ pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> 
                 ContactLaw::SlidingJoint => CORRECTED_STEP_OF_JOINT,
             };
             // What was corrected for is not what the step does.
-            let off = (corrected * f).powi(2) - (step * f).powi(2);
-            rest * (step * f).powi(2) + STEP * off.abs()
+            let off = |corrected: f64| ((corrected * f).powi(2) - (step * f).powi(2)).abs();
+            let most = off(corrected.contact_wire).max(off(corrected.messenger_wire));
+            rest * (step * f).powi(2) + STEP * most
         }
     };
     let undamped = (DAMPED_FROM / catenary.damping.beta).sqrt().max(1.0);
@@ -191,7 +194,7 @@ fn error_by_waves(catenary: &Catenary, v: f64, f: f64) -> f64 {
     let mu = longest_of_waves(catenary, v, f);
     let plain = PLAIN * mu.powi(2);
     match force_corrections(catenary) {
-        2 => plain.min(CORRECTED * mu.powi(4)),
+        2 => plain.min((CORRECTED * mu.powi(4)).max(CORRECTED_SHORT * mu.powi(2))),
         1 => WITH_ONE_CORRECTION * plain,
         _ => plain,
     }
