@@ -1,5 +1,6 @@
 //! Every test across the packages, in one program. `cargo test --release -p integration-tests NAME` runs one file.
 
+mod accuracy;
 mod analytical;
 mod beam_line;
 mod control;
