@@ -4,8 +4,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// Number of arguments of a creep force: ξ_x, ξ_y, φ, a, b, N.
 pub(super) const INPUTS: usize = 6;
 
-/// Numbers in which a creep law is written: values alone for a force, with derivatives for a tangent. The values of both
-/// are the same to the last bit.
+/// Numbers in which a creep law is written: values alone for a force, with derivatives for a tangent. The values of
+/// both are the same to the last bit.
 pub(super) trait Number:
     Copy
     + Add<Output = Self>
