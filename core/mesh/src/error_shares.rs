@@ -51,10 +51,8 @@ const WINDOW_IN_OTHERS: f64 = 1.5;
 /// Further error of a window in a nonlinear line, %, and per second of the run, %/s.
 const WINDOW_NONLINEAR: f64 = 0.1;
 const WINDOW_NONLINEAR_RATE: f64 = 0.02;
-/// Error of modes in the plane, %.
-const MODAL: f64 = 2.0;
-/// The same in space, %.
-const MODAL_IN_SPACE: f64 = 3.5;
+/// Error of modes beside the line linearised, %: half of it by modes left out.
+const MODAL: f64 = 1.0;
 
 /// Expected errors of a run of `scene` with internal steps of `step` s; `Err` says for what no rule is known.
 ///
@@ -77,7 +75,7 @@ pub fn error_shares(scene: &Scene, step: f64) -> Result<Vec<ErrorShare>, String>
         let percent = match reduction {
             Reduction::Planar => planar(scene),
             Reduction::Linearised => linearised(scene, catenary),
-            Reduction::Modal => linearised(scene, catenary) + modal(scene),
+            Reduction::Modal => linearised(scene, catenary) + MODAL,
             Reduction::Window => window(scene, catenary),
             Reduction::Linkage => 0.0,
             Reduction::Flat => return Err("\"flat\" in model.reduce, which is another line".to_owned()),
@@ -129,11 +127,6 @@ fn linearised(scene: &Scene, catenary: &Catenary) -> f64 {
         factor *= STITCHED;
     }
     factor * LINEARISED * (force / USUAL_FORCE).powf(POWER_OF_FORCE)
-}
-
-/// Error of a line in its modes beside that of the linearised one, %.
-fn modal(scene: &Scene) -> f64 {
-    if scene.is_planar() { MODAL } else { MODAL_IN_SPACE }
 }
 
 /// Error of a window, %: the spans beyond it are linear, and what a nonlinear one passes on to them adds up.
