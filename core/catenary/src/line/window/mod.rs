@@ -8,11 +8,11 @@
 //!
 //! The window is a line of a few spans cut out of the static state. The spans beyond its ends are linear and reduced to
 //! their supports, the elongations of droppers with dampers, and modes ([`cell`]): the first ones along and across the
-//! track and the lowest others. A reduced span is far cheaper than a full one, carries waves of the frequencies of interest
-//! without reflection, and keeps the line's longitudinal elasticity and mass, which the contact force depends on. Each
-//! reduced span has its halves of the bending layers at its supports. On short lines these cells reach the true ends.
-//! Long lines have a fixed number of cells, with damping that grows with the distance and, at the last support,
-//! dashpots `√(EA m)` matched to longitudinal waves [after Lysmer & Kuhlemeyer 1969].
+//! track and the lowest others. A reduced span is far cheaper than a full one, carries waves of the frequencies of
+//! interest without reflection, and keeps the line's longitudinal elasticity and mass, which the contact force depends
+//! on. Each reduced span has its halves of the bending layers at its supports. On short lines these cells reach the
+//! true ends. Long lines have a fixed number of cells, with damping that grows with the distance and, at the last
+//! support, dashpots `√(EA m)` matched to longitudinal waves [after Lysmer & Kuhlemeyer 1969].
 //!
 //! When the last strip comes to the next span, the window moves on by one: the entering span takes its motion from its
 //! modes, and the leaving one hands its own over to modes, so that neither starts or stops abruptly. In the middle of a
