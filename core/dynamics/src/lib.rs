@@ -86,7 +86,7 @@ pub use layout::Layout;
 pub use linear::eigen;
 #[doc(hidden)] // for the benchmark of the solver alone
 pub use linear::{BlockTridiagonal, LocalColumn};
-pub use linear::{FactoredMatrix, Lu, SparseMatrix, Updates};
+pub use linear::{FactoredMatrix, Lu, SparseMatrix, Updates, uncoupled};
 pub use linear_force::LinearForce;
 pub use marker::{Column, Columns, Frame, Marker};
 pub use monotone_cubic::{MonotoneCubic, monotone_slopes};

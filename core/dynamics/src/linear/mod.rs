@@ -33,4 +33,5 @@ pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use dense_lu::Lu;
 pub use factored_matrix::FactoredMatrix;
 pub use low_rank::Updates;
+pub use pattern::uncoupled;
 pub use sparse::SparseMatrix;

@@ -56,16 +56,7 @@ impl Pattern {
             rows.extend_from_slice(&all[in_column[column]..ends[column]]);
             starts.push(rows.len());
         }
-        let mut sets: Vec<Vec<usize>> = Vec::new();
-        let mut set_of = vec![usize::MAX; size];
-        for unknown in (0..size).filter(|&i| free[i]) {
-            let root = links.root(unknown);
-            if root == unknown {
-                set_of[root] = sets.len();
-                sets.push(Vec::new());
-            }
-            sets[set_of[root]].push(unknown);
-        }
+        let sets = links.sets(free);
         let mut firsts = vec![0; size];
         let mut first = 0;
         for &column in sets.iter().flatten() {
@@ -147,11 +138,46 @@ impl Links {
         let (low, high) = (i.min(j), i.max(j));
         self.parent[high] = low;
     }
+
+    /// The sets of the unknowns that are `free`, each ascending, in the order of their smallest ones.
+    fn sets(&mut self, free: &[bool]) -> Vec<Vec<usize>> {
+        let mut sets: Vec<Vec<usize>> = Vec::new();
+        let mut set_of = vec![usize::MAX; free.len()];
+        for unknown in (0..free.len()).filter(|&i| free[i]) {
+            let root = self.root(unknown);
+            if root == unknown {
+                set_of[root] = sets.len();
+                sets.push(Vec::new());
+            }
+            sets[set_of[root]].push(unknown);
+        }
+        sets
+    }
+}
+
+/// Sets of the unknowns that are `free`, each ascending, that no entry (row, column) of a symmetric matrix couples to
+/// one another.
+#[must_use]
+pub fn uncoupled(free: &[bool], entries: impl Iterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
+    let mut links = Links::new(free.len());
+    entries
+        .filter(|&(row, column)| row > column && free[row] && free[column])
+        .for_each(|(row, column)| links.join(row, column));
+    links.sets(free)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_chains_are_two_sets_and_what_is_not_free_divides() {
+        let entries = [(2, 0), (3, 1), (4, 2), (5, 3), (2, 4)];
+        let sets = |free: [bool; 6]| uncoupled(&free, entries.into_iter());
+        assert_eq!(sets([true; 6]), [vec![0, 2, 4], vec![1, 3, 5]]);
+        let without = [true, true, false, true, true, true];
+        assert_eq!(sets(without), [vec![0], vec![1, 3, 5], vec![4]]);
+    }
 
     #[test]
     fn sets_are_what_hangs_together_and_entries_are_numbered_set_by_set() {

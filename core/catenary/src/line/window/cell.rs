@@ -4,9 +4,10 @@ use super::end_layers::EndLayers;
 use super::modes::Kept;
 use super::part::Part;
 use super::places::SpanPlaces;
-use dynamics::SparseMatrix;
+use dynamics::{SparseMatrix, uncoupled};
 use nalgebra::DVector;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
@@ -36,7 +37,7 @@ pub(super) struct Cell {
     /// Interface among the coordinates of the span: the supports, left one first, and the elongations of droppers with
     /// dampers.
     interface: Vec<usize>,
-    pub parts: Vec<Part>,
+    parts: Vec<Arc<Part>>,
 }
 
 /// Motion between the supports of a span.
@@ -59,7 +60,13 @@ impl Cell {
             is_free[index] = false;
         }
         let matrices = [&span.stiffness, &span.damping, &span.mass].map(|matrix| span.elongations.transform(matrix));
-        let mut apart = uncoupled(&matrices, |index| is_free[index] || interface.contains(&index));
+        let mut counts = is_free.clone();
+        interface.iter().for_each(|&index| counts[index] = true);
+        let entries = matrices.iter().flat_map(|matrix| {
+            let of_row = |row: usize| matrix.row(row).map(move |(column, _)| (row, column));
+            (0..size).flat_map(of_row)
+        });
+        let mut apart = uncoupled(&counts, entries);
         apart.retain(|coordinates| coordinates.iter().any(|&index| is_free[index]));
         // Another number than that of tension lengths has another cause: one part is right whatever it is.
         let (apart, kept) = if apart.len() == beside {
@@ -79,13 +86,18 @@ impl Cell {
             )
         });
         Some(Self {
-            parts: parts.collect::<Option<_>>()?,
+            parts: parts.map(|part| part.map(Arc::new)).collect::<Option<_>>()?,
             size,
             elongations: span.elongations,
             layers: span.layers,
             places: span.places,
             interface,
         })
+    }
+
+    /// The parts, each with its own of the modes of the span.
+    pub fn parts(&self, modes: Range<usize>) -> impl Iterator<Item = (&Arc<Part>, Range<usize>)> {
+        self.parts.iter().zip(self.by_part(modes))
     }
 
     /// Divides the modes of the span among its parts.
@@ -100,7 +112,7 @@ impl Cell {
         for (&index, &value) in self.interface.iter().zip(interface) {
             values[index] = value;
         }
-        for (part, modes_of) in self.parts.iter().zip(self.by_part(0..modes.len())) {
+        for (part, modes_of) in self.parts(0..modes.len()) {
             part.expand(interface, &modes[modes_of], &mut values);
         }
         self.elongations.displace(&mut values);
@@ -123,51 +135,5 @@ impl Cell {
         let interface: Vec<f64> = self.interface.iter().map(|&index| values[index]).collect();
         let shares = self.parts.iter().map(|part| part.project(&interface, &values));
         (interface[supports.len()..].to_vec(), shares.collect())
-    }
-}
-
-/// Sets of coordinates, each ascending, that no entry of a matrix couples to one another, of those that `counts`.
-fn uncoupled(matrices: &[SparseMatrix; 3], counts: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
-    let size = matrices[0].size();
-    let mut found: Vec<Vec<usize>> = Vec::new();
-    let mut seen: Vec<bool> = (0..size).map(|index| !counts(index)).collect();
-    for first in 0..size {
-        if std::mem::replace(&mut seen[first], true) {
-            continue;
-        }
-        let mut set = vec![first];
-        let mut next = 0;
-        while let Some(&index) = set.get(next) {
-            next += 1;
-            for (column, _) in matrices.iter().flat_map(|matrix| matrix.row(index)) {
-                if !std::mem::replace(&mut seen[column], true) {
-                    set.push(column);
-                }
-            }
-        }
-        set.sort_unstable();
-        found.push(set);
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn two_chains_are_two_sets_and_what_does_not_count_divides() {
-        let chain = |links: &[(u32, u32)]| {
-            let entries = links
-                .iter()
-                .flat_map(|&(i, j)| [(i, i, 2.0), (i, j, -1.0), (j, i, -1.0), (j, j, 2.0)]);
-            SparseMatrix::from_entries(6, entries.collect())
-        };
-        let matrices = [chain(&[(0, 2), (1, 3)]), chain(&[(2, 4)]), chain(&[(3, 5)])];
-        assert_eq!(uncoupled(&matrices, |_| true), [vec![0, 2, 4], vec![1, 3, 5]]);
-        assert_eq!(
-            uncoupled(&matrices, |index| index != 2),
-            [vec![0], vec![1, 3, 5], vec![4]]
-        );
     }
 }

@@ -8,9 +8,7 @@ use std::sync::Arc;
 
 /// A part of a reduced span in the coordinates of the system.
 pub(super) struct Member {
-    cell: Arc<Cell>,
-    /// Number of the part in its cell.
-    part: usize,
+    part: Arc<Part>,
     /// Coordinates of its interface, see [`Part`].
     pub interface: Vec<usize>,
     /// Coordinates of the modes that are kept.
@@ -44,43 +42,32 @@ pub(super) struct FarField {
 
 impl Member {
     /// The parts of a span, with damping `sponge` (1/s) added to its modes.
-    pub fn of_span(
-        cell: &Arc<Cell>,
-        interface: &[usize],
-        modes: Range<usize>,
-        sponge: f64,
-    ) -> impl Iterator<Item = Self> {
-        cell.by_part(modes).enumerate().map(move |(part, modes)| {
-            let rows = cell.parts[part].rows.iter().map(|&row| interface[row]);
-            Self::new((Arc::clone(cell), part), rows.collect(), modes, sponge)
+    pub fn of_span(cell: &Cell, interface: &[usize], modes: Range<usize>, sponge: f64) -> impl Iterator<Item = Self> {
+        cell.parts(modes).map(move |(part, modes)| {
+            let rows = part.rows.iter().map(|&row| interface[row]);
+            Self::new(Arc::clone(part), rows.collect(), modes, sponge)
         })
     }
 
-    fn new((cell, part): (Arc<Cell>, usize), interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
-        let of_part = &cell.parts[part];
+    fn new(part: Arc<Part>, interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
         let own = (0..modes.len()).step_by(GROUP).map(|first| {
             Grouped::new(first, |kind, i| match kind {
                 _ if i >= modes.len() => 0.0,
-                0 => of_part.squares[i],
-                _ => of_part.mode_damping[i] + sponge,
+                0 => part.squares[i],
+                _ => part.mode_damping[i] + sponge,
             })
         });
         Self {
             own: own.collect(),
-            at_interface: vec![[0.0; 4]; of_part.stiffness.nrows()],
+            at_interface: vec![[0.0; 4]; part.stiffness.nrows()],
             part,
-            cell,
             interface,
             modes,
         }
     }
 
-    fn part(&self) -> &Part {
-        &self.cell.parts[self.part]
-    }
-
     fn add_constant(&self, blocks: &mut Blocks<'_>, scratch: &mut Vec<f64>, [k, d, m]: [f64; 3]) {
-        let part = self.part();
+        let part = &self.part;
         let size = self.interface.len();
         scratch.clear();
         // The matrices are symmetric and stored column by column.
@@ -134,7 +121,7 @@ impl Member {
             *value = [motion.q[index], motion.v[index], a, 0.0];
         }
         Arch::new().dispatch(AddForce::<N> {
-            part: &self.cell.parts[self.part],
+            part: &self.part,
             range: self.modes.clone(),
             own: &self.own,
             at_interface: &mut self.at_interface,
@@ -147,7 +134,7 @@ impl Member {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let part = self.part();
+        let part = &self.part;
         let mut energy = 0.0;
         for (column, &from) in self.interface.iter().enumerate() {
             for (row, &to) in self.interface.iter().enumerate() {

@@ -85,7 +85,7 @@ const FOLLOWS: f64 = 1e-6;
 pub(super) struct Kept {
     /// Number of modes that are kept.
     pub count: usize,
-    /// Lowest modes among which they are found.
+    /// Lowest modes among which they are found, no fewer.
     pub searched: usize,
     /// Modes along, and modes across the track that are kept whatever their frequency.
     pub apart: usize,
@@ -121,7 +121,7 @@ impl Kept {
     ) -> (DMatrix<f64>, Vec<f64>) {
         let is_spatial = across.amax() > 0.0;
         let of_others = if is_spatial { self.apart } else { 0 };
-        let searched = self.searched.max(self.count) - of_others;
+        let searched = self.searched - of_others;
         let one_after_another = |(modes, squares): (DMatrix<f64>, Vec<f64>), count: usize| {
             let shares = modes.component_mul(&product(mass, &modes)).tr_mul(along);
             let first = (0..shares.len()).filter(|&mode| shares[mode] > 0.5).take(self.apart);
