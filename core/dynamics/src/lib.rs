@@ -85,7 +85,7 @@ pub use integrate::{
 pub use layout::Layout;
 pub use linear::eigen;
 #[doc(hidden)] // for the benchmark of the solver alone
-pub use linear::{BlockTridiagonal, LocalColumn};
+pub use linear::{BlockTridiagonal, LocalColumn, Precision};
 pub use linear::{FactoredMatrix, Lu, SparseMatrix, Updates, uncoupled};
 pub use linear_force::LinearForce;
 pub use marker::{Column, Columns, Frame, Marker};

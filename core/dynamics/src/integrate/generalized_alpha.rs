@@ -8,6 +8,7 @@ use crate::integrate::passes::{Apply, Predict};
 use crate::integrate::residual::Since;
 use crate::integrate::scheme::Scheme;
 use crate::integrate::workspace::Workspace;
+use crate::linear::block_tridiagonal::Precision;
 use crate::{Counters, Jacobian, Motion, NewtonOptions, Stage, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 use pulp::Arch;
@@ -116,7 +117,7 @@ impl GeneralizedAlpha {
             Some(workspace) => workspace,
             None => {
                 system.enter(Stage::Factorization);
-                let workspace = Workspace::new(system, motion);
+                let workspace = Workspace::new(system, motion, Precision::Mixed);
                 system.enter(Stage::Integration);
                 workspace
             }

@@ -1,5 +1,6 @@
 //! Consistent velocities, accelerations and multipliers at the start of a motion.
 use crate::integrate::newton::name;
+use crate::linear::block_tridiagonal::Precision;
 use crate::linear::iteration_matrix::{IterationMatrix, MovingRows, visit_jacobian};
 use crate::{Motion, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -13,7 +14,7 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
     let n = state.q.len();
     let equations = state.lambda.len();
     let motion = state.motion(u);
-    let mut matrix = IterationMatrix::analyse(system, &motion, MovingRows::AsTheyAre);
+    let mut matrix = IterationMatrix::analyse(system, &motion, MovingRows::AsTheyAre, Precision::Double);
     let scale = matrix.mean_mass();
     // The stiffness stays out: weights zero. Contributions that freeze directions during assembly see the start state.
     let nothing = Weights { q: 0.0, v: 0.0 };

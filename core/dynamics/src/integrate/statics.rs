@@ -3,6 +3,7 @@ use crate::capability::visit_histories;
 use crate::integrate::newton::name;
 use crate::integrate::residual::Since;
 use crate::integrate::workspace::Workspace;
+use crate::linear::block_tridiagonal::Precision;
 use crate::{NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -70,7 +71,7 @@ fn solve(
     for vector in [&mut state.v, &mut state.v_dot, &mut state.a] {
         vector.fill(0.0);
     }
-    let mut workspace = Workspace::new(system, &state.motion(u));
+    let mut workspace = Workspace::new(system, &state.motion(u), Precision::Double);
     let weights = Weights { q: 1.0, v: 0.0 };
     let newton = &options.newton;
     visit_histories(system, &mut |kept| kept.begin_step(&state.motion(u), 0.0));

@@ -2,6 +2,7 @@
 use crate::integrate::formulation::rate_weight;
 use crate::integrate::newton::name;
 use crate::integrate::residual::{Correction, Imbalance, Residual, Since};
+use crate::linear::block_tridiagonal::Precision;
 use crate::linear::iteration_matrix::{IterationMatrix, MovingRows};
 use crate::linear::low_rank::Woodbury;
 use crate::linear::part::Thresholds;
@@ -57,8 +58,16 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders);
+    /// Analyses the matrix of a system. Linear contributions are solved by one correction, whose remainder nothing
+    /// evaluates: they want `precision` to be double and get it.
+    pub fn new(system: &mut dyn System, motion: &Motion<'_>, precision: Precision) -> Self {
+        let imbalance = Imbalance::new(system, motion);
+        let precision = if imbalance.is_linear() {
+            Precision::Double
+        } else {
+            precision
+        };
+        let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders, precision);
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         // Room for a few dozen ranges in practice: nothing allocates later.
@@ -69,7 +78,7 @@ impl Workspace {
             woodbury: Woodbury::default(),
             updates: Updates::default(),
             scale: 1.0,
-            imbalance: Imbalance::new(system, motion),
+            imbalance,
             correction: vec![0.0; size],
             changed: ranges(),
             affected: ranges(),

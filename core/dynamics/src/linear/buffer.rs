@@ -2,37 +2,40 @@
 use std::ops::{Deref, DerefMut};
 
 /// Numbers of a cache line, which is also the widest SIMD vector.
-pub(crate) const LINE: usize = 8;
+pub(crate) const LINE: usize = LINE_BYTES / size_of::<f64>();
+
+const LINE_BYTES: usize = 64;
 
 /// A slice of zeros that begins at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Debug, Default)]
-pub(crate) struct Buffer {
-    memory: Vec<f64>,
+pub(crate) struct Buffer<T = f64> {
+    memory: Vec<T>,
     first: usize,
     len: usize,
 }
 
-impl Buffer {
+impl<T: Copy + Default> Buffer<T> {
     /// `len` zeros.
     pub fn new(len: usize) -> Self {
-        let memory = vec![0.0; len + LINE];
-        let first = memory.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+        let line = LINE_BYTES / size_of::<T>();
+        let memory = vec![T::default(); len + line];
+        let first = memory.as_ptr().align_offset(LINE_BYTES).min(line);
         Self { memory, first, len }
     }
 }
 
-impl Deref for Buffer {
-    type Target = [f64];
+impl<T> Deref for Buffer<T> {
+    type Target = [T];
 
     #[inline(always)]
-    fn deref(&self) -> &[f64] {
+    fn deref(&self) -> &[T] {
         &self.memory[self.first..self.first + self.len]
     }
 }
 
-impl DerefMut for Buffer {
+impl<T> DerefMut for Buffer<T> {
     #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [f64] {
+    fn deref_mut(&mut self) -> &mut [T] {
         &mut self.memory[self.first..self.first + self.len]
     }
 }

@@ -1,5 +1,6 @@
 //! The linear system of a Newton correction by itself.
 use crate::integrate::newton::name;
+use crate::linear::block_tridiagonal::Precision;
 use crate::linear::iteration_matrix::{IterationMatrix, MovingRows};
 use crate::{Motion, StepError, System, Weights};
 
@@ -10,7 +11,12 @@ pub struct FactoredMatrix(IterationMatrix);
 impl FactoredMatrix {
     /// Analyses the pattern of a system at a motion.
     pub fn analyse(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        Self(IterationMatrix::analyse(system, motion, MovingRows::Placeholders))
+        Self(IterationMatrix::analyse(
+            system,
+            motion,
+            MovingRows::Placeholders,
+            Precision::Double,
+        ))
     }
 
     /// Assembles and factors at a motion; `mass_weight` is `w_m`, 1/s².

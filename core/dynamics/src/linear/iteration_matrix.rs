@@ -1,6 +1,7 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
 use crate::capability::add_dynamic_tangent;
 use crate::constraint::RowSink;
+use crate::linear::block_tridiagonal::Precision;
 use crate::linear::low_rank::PLACEHOLDER;
 use crate::linear::part::{Part, Thresholds};
 use crate::linear::pattern::Pattern;
@@ -57,7 +58,12 @@ pub(crate) struct Singular {
 
 impl IterationMatrix {
     /// Analyses the pattern of a system at a motion.
-    pub fn analyse(system: &mut dyn System, motion: &Motion<'_>, moving_rows: MovingRows) -> Self {
+    pub fn analyse(
+        system: &mut dyn System,
+        motion: &Motion<'_>,
+        moving_rows: MovingRows,
+        precision: Precision,
+    ) -> Self {
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         let mut free = vec![true; size];
@@ -89,7 +95,7 @@ impl IterationMatrix {
             for (i, &unknown) in unknowns.iter().enumerate() {
                 places[unknown] = Some((parts.len() as u32, i as u32));
             }
-            let part = part(&pattern, unknowns, &places, coordinates);
+            let part = part(&pattern, unknowns, &places, (coordinates, precision));
             first_values.push(first_values[parts.len()] + part.entries());
             parts.push(part);
         }
@@ -184,14 +190,19 @@ impl IterationMatrix {
 }
 
 /// The part of one set of coupled unknowns; `places` holds their local numbers.
-fn part(pattern: &Pattern, unknowns: &[usize], places: &[Option<(u32, u32)>], coordinates: usize) -> Part {
+fn part(
+    pattern: &Pattern,
+    unknowns: &[usize],
+    places: &[Option<(u32, u32)>],
+    (coordinates, precision): (usize, Precision),
+) -> Part {
     let (mut starts, mut rows) = (vec![0], Vec::new());
     for &unknown in unknowns {
         let local = |&row: &u32| places[row as usize].map(|(_, local)| local as usize);
         rows.extend(pattern.column(unknown).iter().filter_map(local));
         starts.push(rows.len());
     }
-    Part::new(unknowns.to_vec(), starts, rows, coordinates)
+    Part::new(unknowns.to_vec(), starts, rows, coordinates, precision)
 }
 
 /// Calls `sink(equation, columns, values)` for every block row of all constraints.

@@ -29,7 +29,7 @@ pub(crate) mod products;
 pub(crate) mod sparse;
 pub(crate) mod sparse_factor;
 
-pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
+pub use block_tridiagonal::{BlockTridiagonal, LocalColumn, Precision};
 pub use dense_lu::Lu;
 pub use factored_matrix::FactoredMatrix;
 pub use low_rank::Updates;

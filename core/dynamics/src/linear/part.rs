@@ -1,5 +1,5 @@
 //! One part of the iteration matrix: unknowns that nothing but low-rank terms couples with others.
-use crate::linear::block_tridiagonal::{BlockTridiagonal, LocalColumn};
+use crate::linear::block_tridiagonal::{BlockTridiagonal, LocalColumn, Precision};
 use crate::linear::condensed::Condensed;
 use crate::linear::dense_lu::Lu;
 use crate::linear::sparse_factor::{Shape, SparseFactor};
@@ -73,7 +73,13 @@ fn write(unknowns: &[usize], values: &[f64], all: &mut [f64]) -> bool {
 impl Part {
     /// A part from its pattern in compressed columns, local row indices ascending; unknowns below `coordinates` are
     /// coordinates.
-    pub fn new(unknowns: Vec<usize>, column_starts: Vec<usize>, row_indices: Vec<usize>, coordinates: usize) -> Self {
+    pub fn new(
+        unknowns: Vec<usize>,
+        column_starts: Vec<usize>,
+        row_indices: Vec<usize>,
+        coordinates: usize,
+        precision: Precision,
+    ) -> Self {
         let coordinates = unknowns.partition_point(|&unknown| unknown < coordinates);
         // Multipliers make a matrix indefinite, turning bodies make it unsymmetric; structures are neither.
         let shape = if coordinates == unknowns.len() && unknowns.len() > SMALL {
@@ -82,14 +88,14 @@ impl Part {
             Shape::General
         };
         let mut blocks = (shape == Shape::Definite)
-            .then(|| BlockTridiagonal::analyse(&unknowns, &column_starts, &row_indices))
+            .then(|| BlockTridiagonal::analyse(&unknowns, &column_starts, &row_indices, precision))
             .flatten();
         let mut condensed = None;
         if blocks.is_none()
             && shape == Shape::Definite
             && let Some((found, starts, rows)) = Condensed::analyse(&column_starts, &row_indices)
         {
-            blocks = BlockTridiagonal::analyse(&unknowns[..found.core], &starts, &rows);
+            blocks = BlockTridiagonal::analyse(&unknowns[..found.core], &starts, &rows, precision);
             condensed = blocks.is_some().then_some(found);
         }
         Self {
@@ -319,7 +325,7 @@ impl Part {
             *column = self.new_column();
         }
         match (column, &mut self.blocks) {
-            (PartColumn::Local(column), Some(blocks)) => blocks.column(u.iter().copied(), DECAYED, column),
+            (PartColumn::Local(column), Some(blocks)) => blocks.column(u, DECAYED, column),
             (PartColumn::Whole(y), _) => {
                 self.local.fill(0.0);
                 u.iter().for_each(|&(unknown, value)| self.local[unknown] += value);
@@ -346,7 +352,7 @@ mod tests {
 
     #[test]
     fn a_part_of_two_unknowns_is_solved_without_symmetry_and_names_the_one_without_stiffness() {
-        let mut part = Part::new(vec![5, 9], vec![0, 2, 4], vec![0, 1, 0, 1], 20);
+        let mut part = Part::new(vec![5, 9], vec![0, 2, 4], vec![0, 1, 0, 1], 20, Precision::Double);
         // Columns (4, 1) and (2, 3): 4 x + 2 y = 2, x + 3 y = 8.
         assert_eq!(part.factor(&[4.0, 1.0, 2.0, 3.0]), Ok(()));
         let (mut right_side, mut solution, mut seen) = (vec![0.0; 20], vec![0.0; 20], Vec::new());

@@ -1,15 +1,16 @@
-//! Assembly into blocks and their factorisation.
+//! Assembly into blocks and their factorisation, in double precision.
 use super::kernel::add_product;
-use super::{Block, BlockTridiagonal, EntryTarget};
+use super::{Assembled, AssembledBlock, BlockTridiagonal, EntryTarget, Factors};
 use pulp::{Simd, WithSimd};
 
 impl BlockTridiagonal {
     /// Targets of the entries of the pattern.
     pub(super) fn places(&self, column_starts: &[usize], row_indices: &[usize]) -> Vec<EntryTarget> {
+        let blocks = &self.assembled.blocks;
         let mut places = Vec::with_capacity(row_indices.len());
         for column in 0..column_starts.len() - 1 {
             let of_column = self.block_of[column] as usize;
-            let block = &self.blocks[of_column];
+            let block = &blocks[of_column];
             let c = column - block.first;
             for &row in &row_indices[column_starts[column]..column_starts[column + 1]] {
                 let of_row = self.block_of[row] as usize;
@@ -17,10 +18,10 @@ impl BlockTridiagonal {
                     EntryTarget::Unused
                 } else if of_row == of_column {
                     let r = row - block.first;
-                    let place = |r: usize, c: usize| (block.assembled + c * block.height + r) as u32;
+                    let place = |r: usize, c: usize| (block.diagonal + c * block.height + r) as u32;
                     EntryTarget::Diagonal(place(r, c), place(c, r))
                 } else {
-                    let next = &self.blocks[of_row];
+                    let next = &blocks[of_row];
                     let r = row - next.first;
                     let (down, up) = (c * next.height + r, r * block.height + c);
                     EntryTarget::Coupling((block.coupling + down) as u32, (block.coupling + up) as u32)
@@ -34,8 +35,6 @@ impl BlockTridiagonal {
     /// other the lower one counts. Returns `false` if the matrix is not positive definite.
     #[must_use]
     pub fn factor(&mut self, values: &[f64]) -> bool {
-        // Assume the last solution everywhere: it may come from earlier factors.
-        self.solved = 0..self.work.len();
         let assembled = &mut self.assembled;
         for buffer in [&mut assembled.diagonal, &mut assembled.down, &mut assembled.up] {
             buffer.fill(0.0);
@@ -53,94 +52,106 @@ impl BlockTridiagonal {
                 }
             }
         }
-        for block in &self.blocks {
-            for k in 0..block.size {
-                self.diagonal[block.at + k] = assembled.diagonal[block.assembled + k * (block.height + 1)];
-            }
+        for (i, block) in assembled.blocks.iter().enumerate() {
+            let diagonal = &assembled.diagonal[block.diagonal..block.diagonal + block.height * block.size];
+            let diagonal = diagonal.iter().step_by(block.height + 1).copied();
+            with_solver!(&mut self.factors, solver => solver.begin_factors(i, diagonal));
         }
-        let arch = self.arch;
-        arch.dispatch(Factor(self))
+        self.arch.dispatch(Factor {
+            assembled: &mut self.assembled,
+            factors: &mut self.factors,
+            middle: self.middle,
+        })
     }
 }
 
-struct Factor<'a>(&'a mut BlockTridiagonal);
+struct Factor<'a> {
+    assembled: &'a mut Assembled,
+    factors: &'a mut Factors,
+    middle: usize,
+}
 
 impl WithSimd for Factor<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let matrix = self.0;
-        let middle = matrix.middle;
-        let last = matrix.blocks.len() - 1;
+    fn with_simd<S: Simd>(mut self, simd: S) -> bool {
+        let middle = self.middle;
+        let last = self.assembled.blocks.len() - 1;
         for i in 0..middle {
-            if !eliminate(simd, matrix, i, i + 1) {
+            if !self.eliminate(simd, i, i + 1) {
                 return false;
             }
         }
         for i in (middle + 1..=last).rev() {
-            if !eliminate(simd, matrix, i, i - 1) {
+            if !self.eliminate(simd, i, i - 1) {
                 return false;
             }
         }
-        invert(matrix, middle)
-    }
-}
-
-/// Inverts the Schur complement of block `i`, stores the factors for solutions, and takes it out of the next block.
-#[inline(always)]
-fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: usize) -> bool {
-    if !invert(matrix, i) {
-        return false;
-    }
-    let start = matrix.blocks[i.min(next)].coupling;
-    // A_next,i and its transpose.
-    let (down, up) = (&matrix.assembled.down[start..], &matrix.assembled.up[start..]);
-    let (coupling, transposed) = if next > i { (down, up) } else { (up, down) };
-    let (own, next) = (matrix.blocks[i], matrix.blocks[next]);
-    let coupling = &coupling[..next.height * own.size];
-    let transposed = &transposed[..own.height * next.size];
-
-    let (inverse, mirrored) =
-        matrix.backward[own.backward..][..own.height * (own.size + next.size)].split_at_mut(own.height * own.size);
-    let forward = &mut matrix.forward[own.forward..own.forward + next.height * own.size];
-    forward.fill(0.0);
-    for (target, column) in forward
-        .chunks_exact_mut(next.height)
-        .zip(inverse.chunks_exact(own.height))
-    {
-        add_product(simd, coupling, &column[..own.size], target);
-        target.iter_mut().for_each(|value| *value = -*value);
-    }
-    mirrored.fill(0.0);
-    for (r, target) in mirrored.chunks_exact_mut(own.height).enumerate() {
-        for (c, value) in target[..own.size].iter_mut().enumerate() {
-            *value = forward[c * next.height + r];
+        if !invert(self.assembled, middle) {
+            return false;
         }
+        let Assembled { blocks, inverse, .. } = &*self.assembled;
+        with_solver!(&mut *self.factors, solver => solver.set_inverse(middle, inverse, blocks[middle].height));
+        true
     }
-    let schur = &mut matrix.assembled.diagonal[next.assembled..next.assembled + next.height * next.size];
-    for (target, column) in schur
-        .chunks_exact_mut(next.height)
-        .zip(transposed.chunks_exact(own.height))
-    {
-        add_product(simd, forward, &column[..own.size], target);
-    }
-    true
 }
 
-/// Writes the inverse of the block on the diagonal in front of the backward block; returns `false` if the block is not
-/// positive definite.
+impl Factor<'_> {
+    /// Inverts the Schur complement of block `i`, stores the factors for solutions, and takes it out of the next block.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, simd: S, i: usize, next: usize) -> bool {
+        if !invert(self.assembled, i) {
+            return false;
+        }
+        let Assembled {
+            blocks,
+            diagonal,
+            down,
+            up,
+            inverse,
+            forward,
+        } = &mut *self.assembled;
+        let start = blocks[i.min(next)].coupling;
+        // A_next,i and its transpose.
+        let (down, up) = (&down[start..], &up[start..]);
+        let (coupling, transposed) = if next > i { (down, up) } else { (up, down) };
+        let (own, next) = (blocks[i], blocks[next]);
+        let coupling = &coupling[..next.height * own.size];
+        let transposed = &transposed[..own.height * next.size];
+        let inverse = &inverse[..own.height * own.size];
+        let forward = &mut forward[..next.height * own.size];
+        forward.fill(0.0);
+        for (target, column) in forward
+            .chunks_exact_mut(next.height)
+            .zip(inverse.chunks_exact(own.height))
+        {
+            add_product(simd, coupling, &column[..own.size], target);
+            target.iter_mut().for_each(|value| *value = -*value);
+        }
+        let schur = &mut diagonal[next.diagonal..next.diagonal + next.height * next.size];
+        for (target, column) in schur
+            .chunks_exact_mut(next.height)
+            .zip(transposed.chunks_exact(own.height))
+        {
+            add_product(simd, forward, &column[..own.size], target);
+        }
+        with_solver!(&mut *self.factors, solver => {
+            solver.set_inverse(i, inverse, own.height);
+            solver.set_coupling(i, forward, next.height);
+        });
+        true
+    }
+}
+
+/// Computes the inverse of the block on the diagonal; returns `false` if the block is not positive definite.
 #[inline(always)]
-fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
-    let Block {
-        size,
-        height,
-        assembled,
-        backward,
-        ..
-    } = matrix.blocks[i];
-    let a = &mut matrix.assembled.diagonal[assembled..assembled + height * size];
-    let inverse = &mut matrix.backward[backward..backward + height * size];
+fn invert(assembled: &mut Assembled, i: usize) -> bool {
+    let AssembledBlock {
+        size, height, diagonal, ..
+    } = assembled.blocks[i];
+    let a = &mut assembled.diagonal[diagonal..diagonal + height * size];
+    let inverse = &mut assembled.inverse[..height * size];
     // A = L Lᵀ, with the reciprocals of the diagonal of L.
     for k in 0..size {
         let diagonal = a[k * height + k];

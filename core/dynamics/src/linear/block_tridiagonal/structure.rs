@@ -5,11 +5,12 @@ pub(super) const LARGEST: usize = 48;
 
 /// Cuts unknowns, taken in their order, into consecutive blocks such that every entry of the symmetric pattern
 /// (compressed columns, row indices ascending) lies in a block or between two neighbouring ones. Returns the first
-/// unknown of each block and the number of unknowns; `None` if blocks would be large.
+/// unknown of each block and the number of unknowns, with the amount of numbers that a solution reads; `None` if blocks
+/// would be large.
 ///
 /// The first block decides: each further block ends with the last unknown that the block before it couples with. Among
 /// all first blocks the one with the least storage is taken, with rows filled up to a multiple of `lanes`.
-pub(super) fn cut(column_starts: &[usize], row_indices: &[usize], lanes: usize) -> Option<Vec<usize>> {
+pub(super) fn cut(column_starts: &[usize], row_indices: &[usize], lanes: usize) -> Option<(Vec<usize>, usize)> {
     let size = column_starts.len() - 1;
     let reach: Vec<usize> = (0..size)
         .map(|column| {
@@ -21,9 +22,10 @@ pub(super) fn cut(column_starts: &[usize], row_indices: &[usize], lanes: usize) 
     let first = *reach.first()?;
     let candidates = (1..=(first + 1).min(LARGEST)).filter_map(|end| {
         let bounds = greedy(&reach, end)?;
-        Some((storage(&bounds, lanes), bounds))
+        let storage = storage(&bounds, lanes);
+        Some((bounds, storage))
     });
-    candidates.min_by_key(|&(storage, _)| storage).map(|(_, bounds)| bounds)
+    candidates.min_by_key(|&(_, storage)| storage)
 }
 
 fn greedy(reach: &[usize], first_end: usize) -> Option<Vec<usize>> {

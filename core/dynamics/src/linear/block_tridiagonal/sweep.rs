@@ -1,31 +1,32 @@
 //! Elimination towards the middle block and substitution back to both ends.
 use super::kernel::{Term, any_above, any_product_above, combine, load, square};
-use super::{Block, BlockTridiagonal};
+use super::number::Number;
+use super::solver::{Block, Solver};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// Turns the right side in `work` into the solution. Blocks outside of `right_side` hold zeros. Returns the range of
 /// blocks outside of which the solution is zero; within it `active` marks the blocks with a solution, and the others
 /// hold zeros.
-pub(super) struct Sweep<'a> {
-    pub matrix: &'a mut BlockTridiagonal,
-    pub threshold: f64,
+pub(super) struct Sweep<'a, T> {
+    pub solver: &'a mut Solver<T>,
+    pub threshold: T,
     pub right_side: Range<usize>,
 }
 
-struct Pass<'a, S> {
+struct Pass<'a, S, T> {
     simd: S,
-    threshold: f64,
+    threshold: T,
     blocks: &'a [Block],
-    forward: &'a [f64],
-    backward: &'a [f64],
-    diagonal: &'a [f64],
-    work: &'a mut [f64],
+    forward: &'a [T],
+    backward: &'a [T],
+    diagonal: &'a [T],
+    work: &'a mut [T],
     active: &'a mut [bool],
     lanes: usize,
 }
 
-impl<S: Simd> Pass<'_, S> {
+impl<S: Simd, T: Number> Pass<'_, S, T> {
     /// Returns `true` if the right side of block `i` is worth solving; else the right side becomes zero.
     #[inline(always)]
     fn decide(&mut self, i: usize) -> bool {
@@ -33,7 +34,7 @@ impl<S: Simd> Pass<'_, S> {
         let own = &mut self.work[block.at..block.at + block.height];
         let active = any_above(self.simd, own, self.threshold);
         if !active {
-            own.fill(0.0);
+            own.fill(T::default());
         }
         self.active[i] = active;
         active
@@ -43,7 +44,7 @@ impl<S: Simd> Pass<'_, S> {
     #[inline(always)]
     fn eliminate(&mut self, i: usize, next: usize) -> bool {
         let own = &self.blocks[i];
-        match own.square / S::F64_LANES {
+        match own.square / T::lanes::<S>() {
             1 => self.eliminate_square::<1>(i, next),
             2 => self.eliminate_square::<2>(i, next),
             _ => self.simd.vectorize(Eliminate { pass: self, i, next }),
@@ -53,23 +54,23 @@ impl<S: Simd> Pass<'_, S> {
     /// [`Pass::eliminate`] of blocks that both have `V` vectors, without any to fill up.
     #[inline(always)]
     fn eliminate_square<const V: usize>(&mut self, i: usize, next: usize) -> bool {
-        let width = V * S::F64_LANES;
+        let width = V * T::lanes::<S>();
         let (own, next) = (&self.blocks[i], &self.blocks[next]);
         let c = &mut self.work[own.at..own.at + width];
         if !any_above(self.simd, c, self.threshold) {
-            c.fill(0.0);
+            c.fill(T::default());
             self.active[i] = false;
             return false;
         }
         self.active[i] = true;
         let (at, end) = (next.at, next.at + width);
-        let sum = square::<S, V>(
+        let sum = square::<S, T, V>(
             self.simd,
             &self.forward[own.forward..],
             &self.work[own.at..],
-            load::<S, V>(&self.work[at..end]),
+            load::<S, T, V>(&self.work[at..end]),
         );
-        S::as_mut_simd_f64s(&mut self.work[at..end]).0.copy_from_slice(&sum);
+        T::vectors_mut::<S>(&mut self.work[at..end]).copy_from_slice(&sum);
         true
     }
 
@@ -91,7 +92,7 @@ impl<S: Simd> Pass<'_, S> {
             at: 0,
             columns: 0,
         };
-        combine::<S, true>(
+        combine::<S, T, true>(
             self.simd,
             self.work,
             (next.at, next.height / self.lanes),
@@ -104,7 +105,7 @@ impl<S: Simd> Pass<'_, S> {
     /// kept.
     #[inline(always)]
     fn substitute(&mut self, i: usize, next: usize, has_right_side: bool, has_next: bool) -> bool {
-        match self.blocks[i].square / S::F64_LANES {
+        match self.blocks[i].square / T::lanes::<S>() {
             1 if has_right_side && has_next => self.substitute_square::<1>(i, next),
             2 if has_right_side && has_next => self.substitute_square::<2>(i, next),
             _ => self.simd.vectorize(Substitute {
@@ -120,15 +121,15 @@ impl<S: Simd> Pass<'_, S> {
     /// [`Pass::substitute`] with both terms, of blocks that both have `V` vectors, without any to fill up.
     #[inline(always)]
     fn substitute_square<const V: usize>(&mut self, i: usize, next: usize) -> bool {
-        let width = V * S::F64_LANES;
+        let width = V * T::lanes::<S>();
         let (own, next) = (&self.blocks[i], &self.blocks[next]);
         let blocks = &self.backward[own.backward..own.backward + 2 * width * width];
         let (at, end) = (own.at, own.at + width);
-        let start = [self.simd.splat_f64s(0.0); V];
+        let start = [T::splat(self.simd, T::default()); V];
         // The chain of blocks hangs on the second term: the first is summed before it.
-        let sum = square::<S, V>(self.simd, blocks, &self.work[at..end], start);
-        let sum = square::<S, V>(self.simd, &blocks[width * width..], &self.work[next.at..], sum);
-        S::as_mut_simd_f64s(&mut self.work[at..end]).0.copy_from_slice(&sum);
+        let sum = square::<S, T, V>(self.simd, blocks, &self.work[at..end], start);
+        let sum = square::<S, T, V>(self.simd, &blocks[width * width..], &self.work[next.at..], sum);
+        T::vectors_mut::<S>(&mut self.work[at..end]).copy_from_slice(&sum);
         true
     }
 
@@ -153,7 +154,7 @@ impl<S: Simd> Pass<'_, S> {
             at: next.map_or(0, |next| self.blocks[next].at),
             columns,
         };
-        combine::<S, false>(
+        combine::<S, T, false>(
             self.simd,
             self.work,
             (block.at, block.height / self.lanes),
@@ -163,7 +164,7 @@ impl<S: Simd> Pass<'_, S> {
             let range = block.at..block.at + block.height;
             let (x, diagonal) = (&self.work[range.clone()], &self.diagonal[range.clone()]);
             if !any_product_above(self.simd, x, diagonal, self.threshold) {
-                self.work[range].fill(0.0);
+                self.work[range].fill(T::default());
                 self.active[i] = false;
                 return false;
             }
@@ -174,13 +175,13 @@ impl<S: Simd> Pass<'_, S> {
 }
 
 /// [`Pass::eliminate_any`], not inlined: the code of the common blocks keeps its registers.
-struct Eliminate<'p, 'a, S> {
-    pass: &'p mut Pass<'a, S>,
+struct Eliminate<'p, 'a, S, T> {
+    pass: &'p mut Pass<'a, S, T>,
     i: usize,
     next: usize,
 }
 
-impl<P: Simd> WithSimd for Eliminate<'_, '_, P> {
+impl<P: Simd, T: Number> WithSimd for Eliminate<'_, '_, P, T> {
     type Output = bool;
 
     #[inline(always)]
@@ -190,15 +191,15 @@ impl<P: Simd> WithSimd for Eliminate<'_, '_, P> {
 }
 
 /// [`Pass::substitute_any`], not inlined.
-struct Substitute<'p, 'a, S> {
-    pass: &'p mut Pass<'a, S>,
+struct Substitute<'p, 'a, S, T> {
+    pass: &'p mut Pass<'a, S, T>,
     i: usize,
     next: Option<usize>,
     has_right_side: bool,
     has_next: bool,
 }
 
-impl<P: Simd> WithSimd for Substitute<'_, '_, P> {
+impl<P: Simd, T: Number> WithSimd for Substitute<'_, '_, P, T> {
     type Output = bool;
 
     #[inline(always)]
@@ -208,12 +209,12 @@ impl<P: Simd> WithSimd for Substitute<'_, '_, P> {
     }
 }
 
-impl WithSimd for Sweep<'_> {
+impl<T: Number> WithSimd for Sweep<'_, T> {
     type Output = Range<usize>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Range<usize> {
-        let BlockTridiagonal {
+        let Solver {
             blocks,
             middle,
             forward,
@@ -222,7 +223,7 @@ impl WithSimd for Sweep<'_> {
             work,
             active,
             ..
-        } = self.matrix;
+        } = self.solver;
         let (middle, count) = (*middle, blocks.len());
         let (low, high) = (self.right_side.start, self.right_side.end - 1);
         let mut pass = Pass {
@@ -234,7 +235,7 @@ impl WithSimd for Sweep<'_> {
             diagonal,
             work: &mut *work,
             active,
-            lanes: S::F64_LANES,
+            lanes: T::lanes::<S>(),
         };
 
         let (mut top, mut top_carries) = (low, false);

@@ -75,8 +75,19 @@ impl Sample {
         }
     }
 
+    /// The same matrix with factors in single precision, whatever its size.
+    fn factored_in_single_precision(&self) -> BlockTridiagonal {
+        let arch = narrow();
+        let (bounds, _) = structure::cut(&self.starts, &self.rows, lanes::<f32>(arch)).expect("small blocks");
+        let pattern = (&self.unknowns[..], &self.starts[..], &self.rows[..]);
+        let mut matrix = BlockTridiagonal::new(arch, &bounds, pattern, Factors::Single);
+        assert!(matrix.factor(&self.values), "positive definite");
+        matrix
+    }
+
     fn factored(&self) -> BlockTridiagonal {
-        let mut matrix = BlockTridiagonal::analyse(&self.unknowns, &self.starts, &self.rows).expect("small blocks");
+        let mut matrix = BlockTridiagonal::analyse(&self.unknowns, &self.starts, &self.rows, Precision::Double)
+            .expect("small blocks");
         assert!(matrix.factor(&self.values), "positive definite");
         matrix
     }
@@ -199,7 +210,7 @@ fn a_second_factorisation_and_solution_repeat_bit_for_bit() {
     let mut matrix = sample.factored();
     let (first, _) = sample.solve(&mut matrix, &b, 0.0);
     let mut column = LocalColumn::default();
-    matrix.column([(7, 1.0)].into_iter(), 1e-12, &mut column);
+    matrix.column(&[(7, 1.0)], 1e-12, &mut column);
     let (again, _) = sample.solve(&mut matrix, &b, 0.0);
     let (anew, _) = sample.solve(&mut sample.factored(), &b, 0.0);
     assert_eq!(first, again);
@@ -272,7 +283,7 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
         let mut column = LocalColumn::default();
         let mut lengths = Vec::new();
         for relative in [0.0, 1e-14, 1e-8, 1e-4] {
-            matrix.column(entries.into_iter(), relative, &mut column);
+            matrix.column(&entries, relative, &mut column);
             let y = DVector::from_fn(size, |i, _| matrix.entry(&column, i));
             let left = (&u - &sample.dense * y).amax();
             assert!(left < 4.0 * relative + 1e-14, "{at}, {relative}: {left:e} is left");
@@ -281,7 +292,7 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
         assert!(lengths[0] >= size && lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
         assert!(lengths[1] < size / 2, "{lengths:?}");
         // The product of the column with a right side is that of the exact column.
-        matrix.column(entries.into_iter(), 1e-14, &mut column);
+        matrix.column(&entries, 1e-14, &mut column);
         let b: Vec<f64> = (0..size).map(|_| random.next()).collect();
         matrix.load(&sample.global(&b));
         let product = matrix.dot(&column);
@@ -289,7 +300,7 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
         matrix.solve(0.0, &mut sample.global(&b), &mut |_, _| ());
     }
     let mut empty = LocalColumn::default();
-    matrix.column(std::iter::empty(), 1e-14, &mut empty);
+    matrix.column(&[], 1e-14, &mut empty);
     assert_eq!((empty.len(), matrix.entry(&empty, 5)), (0, 0.0));
 }
 
@@ -334,5 +345,57 @@ fn a_chain_of_nodes_is_cut_into_its_nodes() {
         starts.push(rows.len());
     }
     let unknowns: Vec<usize> = (0..size).collect();
-    assert!(BlockTridiagonal::analyse(&unknowns, &starts, &rows).is_none());
+    assert!(BlockTridiagonal::analyse(&unknowns, &starts, &rows, Precision::Double).is_none());
+}
+
+#[test]
+fn corrections_with_factors_in_single_precision_reach_double_precision() {
+    let mut random = Random(9);
+    let mut cases: Vec<Vec<usize>> = vec![vec![12; 30], vec![16; 13], vec![24; 7]];
+    cases.push(sizes(&mut random, 25, 20));
+    for sizes in cases {
+        let sample = Sample::new(&mut random, &sizes, 0.1, true);
+        let mut matrix = sample.factored_in_single_precision();
+        let b = DVector::from_fn(sample.unknowns.len(), |_, _| random.next());
+        let exact = sample.dense.clone().cholesky().unwrap().solve(&b);
+        let mut x = DVector::zeros(b.len());
+        let mut errors = Vec::new();
+        for _ in 0..3 {
+            let left = &b - &sample.dense * &x;
+            x += DVector::from_vec(sample.solve(&mut matrix, left.as_slice(), 0.0).0);
+            errors.push((&x - &exact).amax() / exact.amax());
+        }
+        assert!(errors[0] > 1e-10 && errors[0] < 1e-4, "{errors:?}");
+        assert!(errors[1] < 1e-3 * errors[0] && errors[2] < 1e-13, "{errors:?}");
+        // A column and its product with a right side.
+        let entries = [(sizes[0], 1.0), (sizes[0] + 3, -0.5)];
+        let mut column = matrix.new_column();
+        matrix.column(&entries, 0.0, &mut column);
+        let u = DVector::from_fn(b.len(), |i, _| {
+            entries.iter().filter(|(at, _)| *at == i).map(|(_, value)| value).sum()
+        });
+        let y = sample.dense.clone().cholesky().unwrap().solve(&u);
+        assert!((0..y.len()).all(|i| (matrix.entry(&column, i) - y[i]).abs() < 1e-4 * y.amax()));
+        matrix.load(&sample.global(b.as_slice()));
+        assert!((matrix.dot(&column) - y.dot(&b)).abs() < 1e-4 * y.amax() * b.amax() * b.len() as f64);
+    }
+}
+
+#[test]
+fn factors_that_a_cache_holds_stay_in_double_precision() {
+    let single = |size: usize, blocks: usize, precision: Precision| {
+        let count = size * blocks;
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        for column in 0..count {
+            let first = (column / size).saturating_sub(1) * size;
+            rows.extend(first..(size * (column / size + 2)).min(count));
+            starts.push(rows.len());
+        }
+        let unknowns: Vec<usize> = (0..count).collect();
+        let matrix = BlockTridiagonal::analyse(&unknowns, &starts, &rows, precision).unwrap();
+        matches!(matrix.factors, Factors::Single(_))
+    };
+    assert!(single(16, 800, Precision::Mixed));
+    assert!(!single(16, 800, Precision::Double));
+    assert!(!single(16, 100, Precision::Mixed));
 }
