@@ -55,11 +55,26 @@ fn a_smaller_error_costs_more() {
 
 #[test]
 fn a_linear_line_is_chosen_where_its_error_leaves_room_for_a_mesh() {
-    let linear = |text: &str, wish: &str| read(text, &[wish]).model.has(Reduction::Linearised);
-    assert!(linear(EN_300, "run.accuracy_percent=3") && !linear(EN_300, "run.accuracy_percent=0.3"));
+    let linear = |wish: &str, more: &[&str]| {
+        let keys = [&[wish][..], more].concat();
+        read(EN_300, &keys).model.has(Reduction::Linearised)
+    };
+    let long = ["catenary.spans=40", "run.duration=25"];
+    assert!(linear("run.accuracy_percent=3", &long) && !linear("run.accuracy_percent=0.3", &long));
     // Fixed ends make a line less linear.
-    let fixed = ["run.accuracy_percent=3", "catenary.wire_ends=fixed"];
-    assert!(!read(EN_300, &fixed).model.has(Reduction::Linearised));
+    let fixed = [&long[..], &["catenary.wire_ends=fixed"]].concat();
+    assert!(!linear("run.accuracy_percent=3", &fixed));
+}
+
+/// Reduction of its spans takes as long as a second of a short line.
+#[test]
+fn a_window_is_chosen_where_the_run_is_long_enough_for_its_set_up() {
+    let windowed = |more: &[&str]| {
+        let keys = [&["run.accuracy_percent=3"][..], more].concat();
+        read(EN_300, &keys).model.has(Reduction::Window)
+    };
+    assert!(!windowed(&[]));
+    assert!(windowed(&["catenary.spans=40", "run.duration=25"]));
 }
 
 #[test]

@@ -27,6 +27,9 @@ const MODAL_COST: f64 = 0.2;
 const REDUCED_SPAN_COST: f64 = 0.4;
 /// Spans of a window in full beside those between the strips.
 const WINDOW_SPANS: f64 = 4.0;
+/// Set-up of a window, in steps of a span in full: a short line is stepped whole before its spans are reduced. Fitted to
+/// lines of equal spans; mixed spans take two to four times as long, on longer lines.
+const WINDOW_SETUP: f64 = 20_000.0;
 
 /// Step by which a wish that given keys exceed is raised, –.
 const RAISE: f64 = 1.25;
@@ -94,7 +97,13 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
                 if let Some(mesh) = trial.mesh_mut() {
                     mesh.choice = MeshChoice::Given;
                 }
-                let cost = choice.cost * cost_of_line(&trial);
+                let steps = trial.run.duration / trial.internal_step();
+                let set_up = if trial.model.has(Reduction::Window) {
+                    WINDOW_SETUP / steps
+                } else {
+                    0.0
+                };
+                let cost = choice.cost * (cost_of_line(&trial) + set_up);
                 let is_cheaper = best.as_ref().is_none_or(|(least, _)| cost < *least);
                 // The scene without further reductions is checked with its file.
                 if is_cheaper && (reductions.is_empty() || trial.check("").is_ok()) {

@@ -58,15 +58,7 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    /// Analyses the matrix of a system. Linear contributions are solved by one correction, whose remainder nothing
-    /// evaluates: they want `precision` to be double and get it.
     pub fn new(system: &mut dyn System, motion: &Motion<'_>, precision: Precision) -> Self {
-        let imbalance = Imbalance::new(system, motion);
-        let precision = if imbalance.is_linear() {
-            Precision::Double
-        } else {
-            precision
-        };
         let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders, precision);
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
@@ -78,7 +70,7 @@ impl Workspace {
             woodbury: Woodbury::default(),
             updates: Updates::default(),
             scale: 1.0,
-            imbalance,
+            imbalance: Imbalance::new(system, motion),
             correction: vec![0.0; size],
             changed: ranges(),
             affected: ranges(),
