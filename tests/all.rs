@@ -14,6 +14,7 @@ mod documents_agree;
 mod en50318;
 mod energy;
 mod examples;
+mod fixed_work;
 mod fmpy_harness;
 mod fmu_abi;
 mod heads;

@@ -345,7 +345,13 @@ impl<C: Component> Model for SceneSlave<C> {
         let first = self.signals.len() + self.parameters.len() + 1;
         if (first..first + WORK.len()).contains(&position) {
             let work = self.component.as_ref().map(Component::work).unwrap_or_default();
-            let count = [work.micro_steps, work.newton_iterations, work.factorizations][position - first];
+            let counts = [
+                work.micro_steps,
+                work.newton_iterations,
+                work.factorizations,
+                work.above_tolerance,
+            ];
+            let count = counts[position - first];
             return Ok(i32::try_from(count).unwrap_or(i32::MAX));
         }
         Ok(self.value(position)? as i32)

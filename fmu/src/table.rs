@@ -7,12 +7,16 @@ use scene::Scene;
 const SCENE_PARAMETER: &str = "scene";
 
 /// Names and descriptions of the counts of the solver's work.
-pub const WORK: [(&str, &str); 3] = [
+pub const WORK: [(&str, &str); 4] = [
     ("solver.micro_steps", "Internal time steps done so far"),
     ("solver.newton_iterations", "Newton iterations done so far"),
     (
         "solver.factorizations",
         "Factorisations of an iteration matrix done so far",
+    ),
+    (
+        "solver.steps_above_tolerance",
+        "Internal time steps so far that ended above solver.newton_tolerance, as solver.fixed_work fixes their corrections",
     ),
 ];
 

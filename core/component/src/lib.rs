@@ -51,6 +51,8 @@ pub struct Work {
     pub factorizations: u64,
     /// Most Newton iterations of one internal step; 0 if unknown.
     pub most_iterations: u64,
+    /// Internal time steps that ended above Newton's tolerance, as their corrections are fixed.
+    pub above_tolerance: u64,
 }
 
 /// A simulation unit made from a scene.

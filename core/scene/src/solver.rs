@@ -9,6 +9,10 @@ use crate::write::shown_number;
 /// mesh.
 const LARGEST_TOLERANCE: f64 = 1.0;
 
+/// Corrections of a step under `solver.fixed_work`: two bring a nonlinear line to about 0.1 N, the third one a dropper
+/// or a contact that opens or closes.
+const PASSES: usize = 3;
+
 /// `[solver]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {
@@ -25,6 +29,8 @@ pub struct Solver {
     pub max_iterations: usize,
     /// When the iteration matrix is factorised.
     pub jacobian: Jacobian,
+    /// Steps of bounded work: [`PASSES`] corrections each, no factorisation after the first.
+    pub fixed_work: bool,
 }
 
 choice! {
@@ -68,6 +74,11 @@ impl Entry for Solver {
             "jacobian",
             "Factorisation of the iteration matrix: kept until convergence slows down, or in every iteration.",
         ),
+        (
+            "fixed_work",
+            "Steps of bounded work, for real time: three Newton iterations each whatever they leave, one factorisation \
+             ahead of the first step. Steps that end above `newton_tolerance` are counted.",
+        ),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -99,6 +110,7 @@ impl Entry for Solver {
                 Some(30),
             ),
             jacobian: keys.word("jacobian", was.map(|solver| solver.jacobian), Some(Jacobian::Modified)),
+            fixed_work: keys.flag("fixed_work", was.map(|solver| solver.fixed_work), false),
         }
     }
 }
@@ -112,6 +124,10 @@ impl Default for Solver {
 
 impl Solver {
     pub(crate) fn check(&self, found: &mut Found) {
+        if self.fixed_work && self.jacobian == Jacobian::Full {
+            let expected = "must be \"modified\" with solver.fixed_work, which factors once, ahead of the first step";
+            refuse(found, "solver.jacobian", "\"full\"", expected);
+        }
         if self.newton_tolerance > LARGEST_TOLERANCE {
             let expected = format!(
                 "must be at most {LARGEST_TOLERANCE} N, which moves the filtered force by up to 0.5 % of its standard \
@@ -141,6 +157,7 @@ impl Solver {
                 Formulation::Index3 => dynamics::Formulation::Index3,
                 Formulation::Index1Baumgarte => dynamics::Formulation::Index1Baumgarte,
             },
+            passes: self.fixed_work.then_some(PASSES),
             ..dynamics::NewtonOptions::default()
         }
     }

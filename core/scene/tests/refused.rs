@@ -791,6 +791,25 @@ fn a_line_is_linear_in_one_way_only() {
 }
 
 #[test]
+fn steps_of_bounded_work_factor_once() {
+    let fixed = "solver.fixed_work=true";
+    assert_eq!(message(EN, &[fixed]), "accepted");
+    assert_eq!(message(EN, &[fixed, "model.reduce=[\"modal\"]"]), "accepted");
+    let window = message(EN, &[fixed, "model.reduce=[\"window\"]"]);
+    assert!(
+        window.contains("model.reduce = \"window\": must be left out: solver.fixed_work factors once"),
+        "{window}"
+    );
+    let full = message(EN, &[fixed, "solver.jacobian=full"]);
+    assert!(
+        full.contains("solver.jacobian = \"full\": must be \"modified\""),
+        "{full}"
+    );
+    let word = message(EN, &["solver.fixed_work=3"]);
+    assert!(word.contains("solver.fixed_work = 3: must be true or false"), "{word}");
+}
+
+#[test]
 fn a_window_is_refused_with_its_reason_only_on_masts_that_differ_and_uneven_running_surfaces() {
     let reduce = "model.reduce=[\"window\"]";
     let mixed = "catenary.span_length=[60,60,60,60,60,60,66,60,60,60]";

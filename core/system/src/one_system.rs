@@ -245,6 +245,7 @@ impl OneSystem {
         } else {
             simulator.start_accelerations().map_err(OneSystemError::Start)?;
         }
+        simulator.prepare().map_err(OneSystemError::Start)?;
         Ok(Self {
             simulator,
             supports: supports.to_vec(),
@@ -466,6 +467,7 @@ impl OneSystem {
             newton_iterations: counters.newton_iterations,
             factorizations: counters.factorizations,
             most_iterations: counters.most_iterations,
+            above_tolerance: counters.above_tolerance,
         }
     }
 

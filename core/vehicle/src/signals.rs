@@ -276,6 +276,7 @@ impl Component for Subsystem {
             newton_iterations: counters.newton_iterations,
             factorizations: counters.factorizations,
             most_iterations: counters.most_iterations,
+            above_tolerance: counters.above_tolerance,
         }
     }
 }

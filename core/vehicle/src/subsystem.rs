@@ -144,6 +144,7 @@ impl Subsystem {
         if !at_rest {
             simulator.start_accelerations()?;
         }
+        simulator.prepare()?;
         Ok(Self {
             simulator,
             inputs,

@@ -144,7 +144,8 @@ pub struct FmuSlave {
     outputs: Vec<u32>,
     output_names: Vec<String>,
     orders: Vec<i32>,
-    work: Option<[u32; 3]>,
+    /// Counts of its work that it has, the first of [`fmu::WORK`].
+    work: Vec<u32>,
     state: Option<SavedState>,
     t: f64,
     drawing: Option<Box<dyn Drawing>>,
@@ -205,12 +206,8 @@ impl FmuSlave {
             outputs,
             output_names: role.outputs,
             orders: vec![0; count],
-            work: match work {
-                [Ok(micro_steps), Ok(iterations), Ok(factorizations)] => {
-                    Some([micro_steps, iterations, factorizations])
-                }
-                _ => None,
-            },
+            // FMUs of an older program lack the last of them.
+            work: work.into_iter().map_while(Result::ok).collect(),
             state: None,
             t: 0.0,
             drawing: None,
@@ -378,20 +375,20 @@ impl Slave for FmuSlave {
     }
 
     fn work(&mut self) -> Work {
-        let mut counts = [0; 3];
-        if let Some(references) = self.work
-            && self.instance.get_integer(&references, &mut counts).is_ok()
-        {
-            let [micro_steps, newton_iterations, factorizations] =
-                counts.map(|count| u64::try_from(count).unwrap_or(0));
-            return Work {
-                micro_steps,
-                newton_iterations,
-                factorizations,
-                most_iterations: 0,
-            };
+        let mut counts = [0; fmu::WORK.len()];
+        let known = &mut counts[..self.work.len()];
+        if !known.is_empty() && self.instance.get_integer(&self.work, known).is_err() {
+            return Work::default();
         }
-        Work::default()
+        let [micro_steps, newton_iterations, factorizations, above_tolerance] =
+            counts.map(|count| u64::try_from(count).unwrap_or(0));
+        Work {
+            micro_steps,
+            newton_iterations,
+            factorizations,
+            most_iterations: 0,
+            above_tolerance,
+        }
     }
 
     fn draw(&mut self, frame: &mut Frame) {

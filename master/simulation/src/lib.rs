@@ -532,6 +532,7 @@ impl Prepared {
         };
         let notes = (self.notes(step).into_iter())
             .chain(outcome.notes)
+            .chain(fixed_work(scene, &outcome.work))
             .chain(sliding_joint::remarks(scene, &record))
             .chain(strip_overrun::remarks(scene, &record))
             .chain(horns::remarks(scene, &record))
@@ -590,6 +591,12 @@ impl Prepared {
             slaves: Vec::new(),
         }
     }
+}
+
+/// Note on what steps of fixed work leave.
+fn fixed_work(scene: &Scene, work: &component::Work) -> Option<String> {
+    let tolerance = scene.solver.newton_tolerance;
+    (scene.solver.fixed_work).then(|| system::run::fixed_work_note(work.above_tolerance, work.micro_steps, tolerance))
 }
 
 /// Properties of the line that limits of standards depend on.

@@ -190,6 +190,7 @@ impl Subsystem {
         {
             self.simulator.start_accelerations()?;
         }
+        self.simulator.prepare()?;
         self.outputs.fill(None);
         for strip in 0..self.exchanges.len() {
             let total = self.total(strip);

@@ -191,7 +191,7 @@ impl GeneralizedAlpha {
         let mut damping = 1.0;
         let mut contracts = false;
         self.residuals.clear();
-        for iteration in 0..=options.max_iterations {
+        for iteration in 0..=options.passes.unwrap_or(options.max_iterations) {
             let motion = state.motion(u);
             let since = match iteration {
                 0 => Since::Anything,
@@ -219,14 +219,19 @@ impl GeneralizedAlpha {
                     .convergence_estimate
                     .observe(iteration - 1, last_ratio, residual.ratio);
             }
-            if residual.ratio <= 1.0 {
+            let ends = match options.passes {
+                None => residual.ratio <= 1.0,
+                Some(passes) => iteration == passes,
+            };
+            if ends {
+                self.counters.above_tolerance += u64::from(residual.ratio > 1.0);
                 self.memory.convergence_estimate.end_step(false);
                 visit_histories(system, &mut |kept| kept.end_step(&motion));
                 let moving = &mut self.memory.moving;
                 moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
             }
-            let estimated = if damping == 1.0 && workspace.moving().is_empty() {
+            let estimated = if options.passes.is_none() && damping == 1.0 && workspace.moving().is_empty() {
                 let convergence_estimate = &self.memory.convergence_estimate;
                 convergence_estimate.last_residual(iteration, residual.ratio, last_ratio)
             } else {
@@ -244,7 +249,7 @@ impl GeneralizedAlpha {
                 });
             }
             let slow = iteration >= 6 && residual.ratio > SLOW * last_ratio && residual.ratio > 10.0;
-            if options.jacobian == Jacobian::Full || (slow && fresh < 2) {
+            if options.jacobian == Jacobian::Full || (options.passes.is_none() && slow && fresh < 2) {
                 self.linearise(workspace, system, &motion, h)?;
                 fresh += 1;
             }
@@ -276,6 +281,26 @@ impl GeneralizedAlpha {
             contracts = damping == 1.0 && (iteration > 0 || continues);
         }
         unreachable!("the last pass returns")
+    }
+
+    /// Factors for steps of `h` s ahead of the first one, where steps have fixed [`NewtonOptions::passes`].
+    ///
+    /// # Errors
+    /// [`StepError::Singular`].
+    pub(crate) fn prepare(
+        &mut self,
+        system: &mut dyn System,
+        state: &State,
+        u: &[f64],
+        h: f64,
+    ) -> Result<(), StepError> {
+        if self.options.passes.is_none() {
+            return Ok(());
+        }
+        let mut workspace = self.take_workspace(system, &state.motion(u));
+        let result = self.ensure_factor(&mut workspace, system, state, u, h);
+        self.keep(workspace);
+        result
     }
 
     /// Makes sure there is a factorisation for this step size.

@@ -28,6 +28,9 @@ pub struct NewtonOptions {
     pub jacobian: Jacobian,
     /// See [`Formulation`]; statics have no accelerations and take index 3.
     pub formulation: Formulation,
+    /// Corrections of every time step, whatever they leave, without a new factorisation: for steps that must end in
+    /// time. `None`: as many as it takes.
+    pub passes: Option<usize>,
 }
 
 impl Default for NewtonOptions {
@@ -39,6 +42,7 @@ impl Default for NewtonOptions {
             max_iterations: 30,
             jacobian: Jacobian::Modified,
             formulation: Formulation::Index3,
+            passes: None,
         }
     }
 }
@@ -197,6 +201,9 @@ pub struct Counters {
     /// Time steps whose last residual was estimated and not evaluated.
     #[serde(default)]
     pub estimated: u64,
+    /// Time steps of fixed [`NewtonOptions::passes`] that ended above a tolerance.
+    #[serde(default)]
+    pub above_tolerance: u64,
 }
 
 /// Name of constraint equations in messages.

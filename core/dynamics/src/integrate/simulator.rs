@@ -141,6 +141,16 @@ impl<S: System> Simulator<S> {
         visit_histories(&mut self.system, &mut |kept| kept.end_step(&motion));
     }
 
+    /// Factors for internal steps of full length ahead of the first one, where steps have fixed
+    /// [`NewtonOptions::passes`].
+    ///
+    /// # Errors
+    /// [`StepError::Singular`].
+    pub fn prepare(&mut self) -> Result<(), StepError> {
+        self.integrator
+            .prepare(&mut self.system, &self.state, &self.u, self.micro_step)
+    }
+
     /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a
     /// communication step of `h` s.
     ///

@@ -182,6 +182,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     max_iterations: 50,
     jacobian: dynamics::Jacobian::Modified,
     formulation: dynamics::Formulation::Index3,
+    passes: None,
 };
 
 /// Largest errors of the angles (rad), of the rates (of the largest one), and of the multipliers (of the largest one),

@@ -13,6 +13,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     max_iterations: 30,
     jacobian: dynamics::Jacobian::Modified,
     formulation: dynamics::Formulation::Index3,
+    passes: None,
 };
 
 fn body() -> (Mechanism, State) {

@@ -18,6 +18,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     max_iterations: 30,
     jacobian: dynamics::Jacobian::Modified,
     formulation: dynamics::Formulation::Index3,
+    passes: None,
 };
 
 /// Both rates of steady precession: `I' Ω² cos θ − I₃ ω₃ Ω + m g l = 0` with `I'` about the fixed point. [Goldstein,

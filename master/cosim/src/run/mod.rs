@@ -125,6 +125,9 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     /// Advances to `end` over `h` s.
     fn advance(&mut self, end: f64, h: f64) -> Result<(), CouplingError> {
         let recorder = &mut *self.recorder;
+        if self.macro_steps == 0 {
+            self.stepper.get_ready()?;
+        }
         self.step_times.begin(self.stepper.exchange.point(0).t);
         self.stepper
             .advance(end, h, &mut |exchange| record(recorder, exchange))?;
@@ -186,6 +189,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             work.micro_steps += more.micro_steps;
             work.newton_iterations += more.newton_iterations;
             work.factorizations += more.factorizations;
+            work.above_tolerance += more.above_tolerance;
             work.most_iterations = work.most_iterations.max(more.most_iterations);
             pantograph.finish_drawing(self.recorder.frames());
         }

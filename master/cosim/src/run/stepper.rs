@@ -46,6 +46,18 @@ impl<'a, 'b> Stepper<'a, 'b> {
         }
     }
 
+    /// Saves both sides where steps may be taken back: the first save finds room for their states, which takes longer
+    /// than a step.
+    ///
+    /// # Errors
+    /// Error reported by a slave.
+    pub fn get_ready(&mut self) -> Result<(), CouplingError> {
+        if self.can_roll_back {
+            self.sides.save()?;
+        }
+        Ok(())
+    }
+
     /// True where a step that ended with `error` can be taken back and done in shorter ones.
     #[must_use]
     pub fn can_retry(&self, error: &CouplingError) -> bool {
