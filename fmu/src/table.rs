@@ -16,7 +16,8 @@ pub const WORK: [(&str, &str); 4] = [
     ),
     (
         "solver.steps_above_tolerance",
-        "Internal time steps so far that ended above solver.newton_tolerance, as solver.fixed_work fixes their corrections",
+        "Internal time steps so far that ended above solver.newton_tolerance, as solver.fixed_work fixes their \
+         corrections",
     ),
 ];
 

@@ -27,8 +27,8 @@ const MODAL_COST: f64 = 0.2;
 const REDUCED_SPAN_COST: f64 = 0.4;
 /// Spans of a window in full beside those between the strips.
 const WINDOW_SPANS: f64 = 4.0;
-/// Set-up of a window, in steps of a span in full: a short line is stepped whole before its spans are reduced. Fitted to
-/// lines of equal spans; mixed spans take two to four times as long, on longer lines.
+/// Set-up of a window, in steps of a span in full: a short line is stepped whole before its spans are reduced. Fitted
+/// to lines of equal spans; mixed spans take two to four times as long, on longer lines.
 const WINDOW_SETUP: f64 = 20_000.0;
 
 /// Step by which a wish that given keys exceed is raised, –.

@@ -213,8 +213,8 @@ impl Scene {
 
     /// Why steps of bounded work forbid a window.
     fn window_of_fixed_work(&self) -> Option<String> {
-        let reason = "solver.fixed_work factors once, and a window factors anew with every move; \"modal\", or the line as \
-                      it is";
+        let reason = "solver.fixed_work factors once, and a window factors anew with every move; \"modal\", or the \
+                      line as it is";
         self.solver.fixed_work.then(|| reason.to_owned())
     }
 

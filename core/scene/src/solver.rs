@@ -29,7 +29,7 @@ pub struct Solver {
     pub max_iterations: usize,
     /// When the iteration matrix is factorised.
     pub jacobian: Jacobian,
-    /// Steps of bounded work: [`PASSES`] corrections each, no factorisation after the first.
+    /// Steps of bounded work: three corrections each, no factorisation after the first.
     pub fixed_work: bool,
 }
 
