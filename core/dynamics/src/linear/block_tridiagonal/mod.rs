@@ -209,7 +209,7 @@ impl BlockTridiagonal {
         (unknowns, column_starts, row_indices): (&[usize], &[usize], &[usize]),
         factors: fn(Solver<T>) -> Factors,
     ) -> Self {
-        let middle = (bounds.len() - 2) / 2;
+        let middle = (bounds.len() - 1) / 2;
         let mut block_of = vec![0; unknowns.len()];
         for (i, ends) in bounds.windows(2).enumerate() {
             block_of[ends[0]..ends[1]].fill(i as u32);
