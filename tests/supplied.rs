@@ -61,6 +61,42 @@ fn a_pantograph_in_c_has_the_force_of_ours_to_second_order_in_our_own_step() {
     }
 }
 
+/// A strip that the wire leaves to both sides, with horns that carry it.
+#[test]
+fn a_wire_rests_on_the_strip_and_the_horns_that_the_scene_gives_a_supplied_pantograph() {
+    const HORNED: &str = "strip = { width = 0.4, horns = { y = [0.25, 0.35, 0.5], z = [-0.005, -0.03, -0.12] } }\n";
+    let program = Program::new();
+    let fmu = Pantograph::new().write(program.folder(), "two_mass");
+    let more = [
+        "--set",
+        "catenary.stagger=[0.3, -0.3]",
+        "--set",
+        "solver.micro_step=2.5e-4",
+        "--set",
+        "coupling.macro_step=2.5e-4",
+    ];
+    let modelled = OWN.replace("strip = { width = 1.2 }\n", HORNED);
+    let own = contact_force(&program, "own", &format!("{LINE}{modelled}{START}"), &more);
+    let theirs = |strip: &str| {
+        let scene = under_the_line(&fmu, &format!("{PARAMETERS}{strip}"));
+        contact_force(&program, "theirs", &scene, &more)
+    };
+    let (horned, endless) = (theirs(HORNED), theirs(""));
+    let (close, apart) = (rms(&own, &horned), rms(&own, &endless));
+    println!("rms differences in N: {close} with horns, {apart} on a strip without ends");
+    assert!(close < 0.05, "{close}");
+    assert!(apart > 0.5, "{apart}");
+    let bare = program.scene(
+        "bare",
+        &under_the_line(&fmu, &format!("{PARAMETERS}strip = {{ width = 0.4 }}\n")),
+    );
+    let said = [
+        "catenary.stagger[2] = -0.3 m",
+        "half the width of the strip of pantograph[1]",
+    ];
+    let _ = program.run(&bare, &more).refused(2, &said);
+}
+
 #[test]
 fn a_pantograph_in_c_comes_to_rest_where_ours_does() {
     let program = Program::new();

@@ -153,7 +153,7 @@ impl Pantograph {
         match &self.model {
             PantographModel::Lumped(lumped) => Some(lumped.strip.width),
             PantographModel::Linkage(linkage) => Some(linkage.strip.width),
-            PantographModel::Supplied(_) => None,
+            PantographModel::Supplied(side) => Some(side.strip.as_ref()?.width),
         }
     }
 
@@ -163,7 +163,7 @@ impl Pantograph {
         match &self.model {
             PantographModel::Lumped(lumped) => lumped.strip.horns.as_ref(),
             PantographModel::Linkage(linkage) => linkage.strip.horns.as_ref(),
-            PantographModel::Supplied(_) => None,
+            PantographModel::Supplied(side) => side.strip.as_ref()?.horns.as_ref(),
         }
     }
 

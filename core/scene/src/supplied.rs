@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::Strip;
 use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::tree::Value;
 
@@ -38,6 +39,8 @@ pub struct Supplied {
     pub inputs: BTreeMap<String, Connection>,
     /// Variables read from the FMU, by this program's names.
     pub outputs: BTreeMap<String, Connection>,
+    /// Collector strip of a pantograph; a wire is in reach of one without wherever it goes.
+    pub strip: Option<Strip>,
 }
 
 /// The value of an FMU parameter as typed in the scene.
@@ -78,6 +81,12 @@ pub enum Offset {
     /// only on the output `height`.
     Align,
 }
+
+/// Sentence on the strip of a supplied pantograph.
+const STRIP: Sentences = &[(
+    "strip",
+    "Collector strip, with horns, on which the line finds its wires; left out, a wire is in reach wherever it goes.",
+)];
 
 /// A pantograph's inputs and outputs, by this program's names.
 pub(crate) const PANTOGRAPH: [&[&str]; 2] = [
@@ -149,6 +158,7 @@ impl Supplied {
             parameters: BTreeMap::new(),
             inputs: BTreeMap::new(),
             outputs: BTreeMap::new(),
+            strip: None,
         }
     }
 
@@ -177,11 +187,15 @@ impl Supplied {
 
     /// `[[pantograph]]` with `fmu`.
     pub(crate) fn pantograph(keys: &mut Keys, was: Option<&Self>) -> Self {
-        Self::wired(
+        let side = Self::wired(
             keys,
             was,
             &PANTOGRAPH.map(|names| names.iter().map(|name| (*name).to_string()).collect()),
-        )
+        );
+        let strip = keys.with(STRIP, |keys| {
+            keys.optional_inline_table("strip", was.map(|side| side.strip.as_ref()))
+        });
+        Self { strip, ..side }
     }
 
     /// `[[controller]]`.
@@ -233,6 +247,7 @@ impl Supplied {
             ),
             inputs: keys.map("inputs", was.map(|side| &side.inputs), inputs),
             outputs: keys.map("outputs", was.map(|side| &side.outputs), outputs),
+            strip: None,
         })
     }
 }
