@@ -494,16 +494,19 @@ fn two_hundred_instances_come_and_go() {
             }
         };
         (0..20).for_each(life);
-        let before = resident();
-        (0..200).for_each(life);
-        if let (Some(before), Some(after)) = (before, resident()) {
-            let grown = after.saturating_sub(before);
-            // A line with its states takes some 10 MB; 20 lost ones would be far above.
-            assert!(
-                grown < 40_000_000,
-                "{identifier}: 200 instances left {grown} bytes behind"
-            );
-        }
+        // Other tests of this process take memory too, but not in every round.
+        let mut rounds = (0..3).map(|_| {
+            let before = resident();
+            (0..200).for_each(life);
+            resident()
+                .zip(before)
+                .map_or(0, |(after, before)| after.saturating_sub(before))
+        });
+        // A line with its states takes some 10 MB; 20 lost ones would be far above.
+        assert!(
+            rounds.any(|grown| grown < 40_000_000),
+            "{identifier}: 200 instances leave more than 40 MB behind, each time"
+        );
     }
 }
 
