@@ -1,7 +1,7 @@
 //! Errors of runs that `run.accuracy_percent` chooses, against the whole nonlinear line on a fine mesh in short steps.
 //!
 //! `docs/validation/accuracy.csv` has sixteen lines, and 0.3 % too.
-use integration_tests::runs::{EN_300, run, scene_with};
+use integration_tests::runs::{EN_300, THREE_SPANS, run, scene_with};
 use simulation::Mode;
 
 const FIXED_ENDS: &str = include_str!("../scenes/thesis-lumped.toml");
@@ -19,18 +19,16 @@ const CONVERGED: [&str; 5] = [
     "model.reduce=auto",
 ];
 
-/// Some spans of a line, and a journey over three of them.
-const SHORT: [&str; 4] = [
-    "catenary.spans=5",
-    "run.start_x=40",
-    "run.duration=2.2",
-    "run.evaluate={time=[0.3,2.0]}",
-];
-
 #[test]
 fn runs_err_by_no_more_than_they_were_asked_to() {
     for text in [EN_300, FIXED_ENDS, STITCHED] {
-        let of = |more: &[&str]| run(scene_with(text, &[&SHORT, more].concat()), Mode::Monolithic, "accuracy");
+        let of = |more: &[&str]| {
+            run(
+                scene_with(text, &[&THREE_SPANS, more].concat()),
+                Mode::Monolithic,
+                "accuracy",
+            )
+        };
         let reference = of(&CONVERGED);
         for percent in [3.0, 1.0] {
             let asked = of(&[&format!("run.accuracy_percent={percent}")]);

@@ -1,21 +1,18 @@
 //! Steps of bounded work: as many corrections in each, one factorisation ahead of the first, and how well that does.
-use integration_tests::runs::{EN_300, Run, run, scene_with};
+use integration_tests::runs::{EN_300, Run, THREE_SPANS, run, scene_with};
 use simulation::Mode;
 
 const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
 
-/// Some spans of a line, and a journey over three of them, in equal steps of both sides.
-const SHORT: [&str; 6] = [
-    "catenary.spans=5",
-    "run.start_x=40",
-    "run.duration=2.2",
-    "run.evaluate={time=[0.3,2.0]}",
-    "solver.micro_step=1e-3",
-    "coupling.macro_step=1e-3",
-];
+/// Equal steps of both sides.
+const STEPS: [&str; 2] = ["solver.micro_step=1e-3", "coupling.macro_step=1e-3"];
 
 fn of(text: &str, mode: Mode, more: &[&str]) -> Run {
-    run(scene_with(text, &[&SHORT, more].concat()), mode, "fixed-work")
+    run(
+        scene_with(text, &[&THREE_SPANS, &STEPS[..], more].concat()),
+        mode,
+        "fixed-work",
+    )
 }
 
 #[test]

@@ -16,6 +16,14 @@ pub const EN_250: &str = include_str!("../scenes/en50318-250.toml");
 /// The reference model of EN 50318 at 300 km/h.
 pub const EN_300: &str = include_str!("../scenes/en50318-300.toml");
 
+/// Some spans of a line, and a journey over three of them.
+pub const THREE_SPANS: [&str; 4] = [
+    "catenary.spans=5",
+    "run.start_x=40",
+    "run.duration=2.2",
+    "run.evaluate={time=[0.3,2.0]}",
+];
+
 /// A second on a short line of the thesis, without the dampers of its droppers and of the integrator.
 pub const SECOND_ON_THESIS_LINE: [&str; 6] = [
     "catenary.spans=3",

@@ -201,21 +201,14 @@ impl Scene {
                         );
                     }
                 }
-                Reduction::Window => {
-                    if let Some(reason) = self.window_of_fixed_work() {
-                        left_out(reduction, reason);
-                    }
+                Reduction::Window if self.solver.fixed_work => {
+                    let reason = "solver.fixed_work factors once, and a window factors anew with every move; \"modal\", \
+                                  or the line as it is";
+                    left_out(reduction, reason.to_owned());
                 }
-                Reduction::Linearised => {}
+                Reduction::Linearised | Reduction::Window => {}
             }
         }
-    }
-
-    /// Why steps of bounded work forbid a window.
-    fn window_of_fixed_work(&self) -> Option<String> {
-        let reason = "solver.fixed_work factors once, and a window factors anew with every move; \"modal\", or the \
-                      line as it is";
-        self.solver.fixed_work.then(|| reason.to_owned())
     }
 
     /// Why horns forbid a line that strips do not push sideways.

@@ -24,15 +24,6 @@ pub fn halved_note(count: u64, first: &str) -> String {
     format!("{count} steps failed and were done in halves; the first: {first}")
 }
 
-/// Note on `above` steps of `steps` that fixed work ended above a tolerance in N.
-#[must_use]
-pub fn fixed_work_note(above: u64, steps: u64, tolerance: f64) -> String {
-    format!(
-        "solver.fixed_work: {above} of {steps} internal steps ended above solver.newton_tolerance = {tolerance} N; a \
-         shorter solver.micro_step leaves fewer"
-    )
-}
-
 /// Times of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {

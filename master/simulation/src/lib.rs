@@ -595,8 +595,13 @@ impl Prepared {
 
 /// Note on what steps of fixed work leave.
 fn fixed_work(scene: &Scene, work: &component::Work) -> Option<String> {
-    let tolerance = scene.solver.newton_tolerance;
-    (scene.solver.fixed_work).then(|| system::run::fixed_work_note(work.above_tolerance, work.micro_steps, tolerance))
+    (scene.solver.fixed_work).then(|| {
+        format!(
+            "solver.fixed_work: {} of {} internal steps ended above solver.newton_tolerance = {} N; a shorter \
+             solver.micro_step leaves fewer",
+            work.above_tolerance, work.micro_steps, scene.solver.newton_tolerance
+        )
+    })
 }
 
 /// Properties of the line that limits of standards depend on.

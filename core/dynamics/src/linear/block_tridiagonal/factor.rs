@@ -52,15 +52,18 @@ impl BlockTridiagonal {
                 }
             }
         }
-        for (i, block) in assembled.blocks.iter().enumerate() {
-            let diagonal = &assembled.diagonal[block.diagonal..block.diagonal + block.height * block.size];
-            let diagonal = diagonal.iter().step_by(block.height + 1).copied();
-            with_solver!(&mut self.factors, solver => solver.begin_factors(i, diagonal));
-        }
-        self.arch.dispatch(Factor {
+        let diagonal = assembled.blocks.iter().flat_map(|block| {
+            let of_block = &assembled.diagonal[block.diagonal..block.diagonal + block.height * block.size];
+            of_block.iter().step_by(block.height + 1).copied()
+        });
+        let (arch, middle) = with_solver!(&mut self.factors, solver => {
+            solver.begin_factors(diagonal);
+            (solver.arch, solver.middle)
+        });
+        arch.dispatch(Factor {
             assembled: &mut self.assembled,
             factors: &mut self.factors,
-            middle: self.middle,
+            middle,
         })
     }
 }

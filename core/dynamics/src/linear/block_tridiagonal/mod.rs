@@ -44,7 +44,7 @@ use crate::linear::buffer::Buffer;
 use number::Number;
 use pulp::{Arch, Simd, WithSimd};
 pub use solver::LocalColumn;
-use solver::Solver;
+use solver::{Entries, Solver};
 use std::ops::Range;
 
 /// Precision of the factors.
@@ -68,8 +68,6 @@ const SMALLER: f64 = 0.75;
 
 /// A symmetric positive definite matrix whose pattern falls into small blocks along a line.
 pub struct BlockTridiagonal {
-    arch: Arch,
-    middle: usize,
     /// Block of each unknown.
     block_of: Vec<u32>,
     /// Per entry of the pattern, its target in `assembled`; the upper triangle is not used.
@@ -149,8 +147,7 @@ fn narrow() -> Arch {
 impl Assembled {
     /// Zeros in blocks between the `bounds`.
     fn new(bounds: &[usize], lanes: usize) -> Self {
-        let sizes: Vec<usize> = bounds.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let heights: Vec<usize> = sizes.iter().map(|size| size.next_multiple_of(lanes)).collect();
+        let (sizes, heights) = structure::shapes(bounds, lanes);
         let (mut diagonal, mut coupling, mut largest) = (0, 0, 0);
         let mut blocks = Vec::with_capacity(sizes.len());
         for (i, (&size, &height)) in sizes.iter().zip(&heights).enumerate() {
@@ -203,24 +200,21 @@ impl BlockTridiagonal {
         Some(Self::new(arch, &bounds, pattern, Factors::Double))
     }
 
-    fn new<T: Number>(
+    fn new<T: Entries>(
         arch: Arch,
         bounds: &[usize],
         (unknowns, column_starts, row_indices): (&[usize], &[usize], &[usize]),
         factors: fn(Solver<T>) -> Factors,
     ) -> Self {
-        let middle = (bounds.len() - 1) / 2;
         let mut block_of = vec![0; unknowns.len()];
         for (i, ends) in bounds.windows(2).enumerate() {
             block_of[ends[0]..ends[1]].fill(i as u32);
         }
         let mut this = Self {
-            arch,
-            middle,
             block_of,
             entries: Vec::new(),
             assembled: Assembled::new(bounds, lanes::<f64>(arch)),
-            factors: factors(Solver::new(arch, bounds, middle, unknowns)),
+            factors: factors(Solver::new(arch, bounds, unknowns)),
         };
         this.entries = this.places(column_starts, row_indices);
         this

@@ -1,14 +1,14 @@
 //! The factors of a block-tridiagonal matrix, and solutions with them.
-use super::kernel;
 use super::number::Number;
 use super::sweep::Sweep;
+use super::{kernel, structure};
 use crate::linear::buffer::Buffer;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Factors and vectors in numbers `T`, their blocks filled up to whole vectors.
 pub(super) struct Solver<T> {
-    arch: Arch,
+    pub arch: Arch,
     pub blocks: Vec<Block>,
     pub middle: usize,
     runs: Vec<Run>,
@@ -127,12 +127,11 @@ fn outwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, Option<
     std::iter::once((middle, None)).chain(pairs)
 }
 
-impl<T: Number> Solver<T> {
+impl<T: Entries> Solver<T> {
     /// Room for the factors of blocks between the `bounds`.
-    pub fn new(arch: Arch, bounds: &[usize], middle: usize, unknowns: &[usize]) -> Self {
-        let lanes = super::lanes::<T>(arch);
-        let sizes: Vec<usize> = bounds.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let heights: Vec<usize> = sizes.iter().map(|size| size.next_multiple_of(lanes)).collect();
+    pub fn new(arch: Arch, bounds: &[usize], unknowns: &[usize]) -> Self {
+        let (sizes, heights) = structure::shapes(bounds, super::lanes::<T>(arch));
+        let middle = (bounds.len() - 1) / 2;
         let mut at = 0;
         let mut blocks = Vec::with_capacity(sizes.len());
         for (i, (&size, &height)) in sizes.iter().zip(&heights).enumerate() {
@@ -187,12 +186,12 @@ impl<T: Number> Solver<T> {
         }
     }
 
-    /// Takes the `diagonal` of a block of a matrix that is about to be factored.
-    pub fn begin_factors(&mut self, i: usize, diagonal: impl Iterator<Item = f64>) {
+    /// Takes the `diagonal` of a matrix that is about to be factored.
+    pub fn begin_factors(&mut self, diagonal: impl Iterator<Item = f64>) {
         // Assume the last solution everywhere: it may come from earlier factors.
         self.solved = 0..self.work.len();
-        for (target, value) in self.diagonal[self.blocks[i].at..].iter_mut().zip(diagonal) {
-            *target = T::rounded(value);
+        for (&position, value) in self.positions.iter().zip(diagonal) {
+            self.diagonal[position as usize] = T::rounded(value);
         }
     }
 
@@ -241,10 +240,7 @@ impl<T: Number> Solver<T> {
 
     /// Product of the loaded right side with a local column.
     #[inline]
-    pub fn dot(&self, column: &LocalColumn) -> f64
-    where
-        T: Entries,
-    {
+    pub fn dot(&self, column: &LocalColumn) -> f64 {
         struct Dot<'a, T>(&'a [T], &'a [T]);
         impl<T: Number> WithSimd for Dot<'_, T> {
             type Output = T;
@@ -317,20 +313,14 @@ impl<T: Number> Solver<T> {
     }
 
     /// A column with room for all unknowns.
-    pub fn new_column(&self) -> LocalColumn
-    where
-        T: Entries,
-    {
+    pub fn new_column(&self) -> LocalColumn {
         let mut column = LocalColumn::default();
         T::of_mut(&mut column).reserve_exact(self.work.len());
         column
     }
 
     /// Solves for the loaded right side, which is zero outside of the blocks `loaded`, down to a threshold.
-    pub fn take_column(&mut self, loaded: Range<usize>, threshold: f64, column: &mut LocalColumn)
-    where
-        T: Entries,
-    {
+    pub fn take_column(&mut self, loaded: Range<usize>, threshold: f64, column: &mut LocalColumn) {
         let hull = if loaded.is_empty() {
             loaded
         } else {
@@ -345,10 +335,7 @@ impl<T: Number> Solver<T> {
     }
 
     /// Entry of a local column.
-    pub fn entry(&self, column: &LocalColumn, unknown: usize) -> f64
-    where
-        T: Entries,
-    {
+    pub fn entry(&self, column: &LocalColumn, unknown: usize) -> f64 {
         let position = self.positions[unknown] as usize;
         position
             .checked_sub(column.first)

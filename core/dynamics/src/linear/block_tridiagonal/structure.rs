@@ -45,14 +45,19 @@ fn greedy(reach: &[usize], first_end: usize) -> Option<Vec<usize>> {
     Some(bounds)
 }
 
+/// Numbers of unknowns of the blocks between `bounds`, and of their rows, filled up to a multiple of `lanes`.
+pub(super) fn shapes(bounds: &[usize], lanes: usize) -> (Vec<usize>, Vec<usize>) {
+    let sizes = bounds.windows(2).map(|pair| pair[1] - pair[0]);
+    sizes.map(|size| (size, size.next_multiple_of(lanes))).unzip()
+}
+
 /// Amount of numbers that a solution reads.
 fn storage(bounds: &[usize], lanes: usize) -> usize {
-    let sizes: Vec<usize> = bounds.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let padded = |size: usize| size.next_multiple_of(lanes);
-    let blocks: usize = sizes.iter().map(|&size| padded(size) * size).sum();
-    let couplings: usize = sizes
-        .windows(2)
-        .map(|pair| padded(pair[0]) * pair[1] + padded(pair[1]) * pair[0])
+    let (sizes, heights) = shapes(bounds, lanes);
+    let blocks: usize = sizes.iter().zip(&heights).map(|(size, height)| height * size).sum();
+    let couplings = sizes.windows(2).zip(heights.windows(2));
+    let couplings: usize = couplings
+        .map(|(sizes, heights)| heights[0] * sizes[1] + heights[1] * sizes[0])
         .sum();
     blocks + couplings
 }
