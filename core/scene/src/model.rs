@@ -202,8 +202,8 @@ impl Scene {
                     }
                 }
                 Reduction::Window if self.solver.fixed_work => {
-                    let reason = "solver.fixed_work factors once, and a window factors anew with every move; \"modal\", \
-                                  or the line as it is";
+                    let reason = "solver.fixed_work factors once, and a window factors anew with every move; \
+                                  \"modal\", or the line as it is";
                     left_out(reduction, reason.to_owned());
                 }
                 Reduction::Linearised | Reduction::Window => {}
