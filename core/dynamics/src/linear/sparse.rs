@@ -1,4 +1,9 @@
 //! A small sparse matrix for products.
+use super::buffer::Buffer;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Columns that are worked on side by side, one in each lane of the registers.
+const ABREAST: usize = 4;
 
 /// A square sparse matrix in compressed rows, for `y += A x`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,6 +89,23 @@ impl SparseMatrix {
         }
     }
 
+    /// `A x` of columns one after the other.
+    #[must_use]
+    pub fn multiply_columns(&self, x: &[f64]) -> Vec<f64> {
+        let mut columns = x.to_vec();
+        let mut product = Buffer::new(self.size() * ABREAST);
+        let product = product.as_chunks_mut().0;
+        by_groups(self.size(), &mut columns, |group| {
+            Arch::new().dispatch(Multiply {
+                matrix: self,
+                x: group,
+                y: product,
+            });
+            group.copy_from_slice(product);
+        });
+        columns
+    }
+
     /// One entry of `A x`.
     #[inline]
     #[must_use]
@@ -117,6 +139,47 @@ impl SparseMatrix {
     #[must_use]
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
         self.occupied().map(|row| x[row] * self.row_product(row, x)).sum()
+    }
+}
+
+/// Changes columns of `size` numbers, one after the other, in groups side by side; the last group is filled up with
+/// zeros.
+pub(crate) fn by_groups(size: usize, columns: &mut [f64], mut change: impl FnMut(&mut [[f64; ABREAST]])) {
+    let mut group = Buffer::new(size * ABREAST);
+    let group = group.as_chunks_mut().0;
+    for columns in columns.chunks_mut((size * ABREAST).max(1)) {
+        group.fill([0.0; ABREAST]);
+        for (lane, column) in columns.chunks_exact(size).enumerate() {
+            group.iter_mut().zip(column).for_each(|(row, value)| row[lane] = *value);
+        }
+        change(group);
+        for (lane, column) in columns.chunks_exact_mut(size).enumerate() {
+            group.iter().zip(column).for_each(|(row, value)| *value = row[lane]);
+        }
+    }
+}
+
+/// `Y = A X` of columns side by side.
+struct Multiply<'a> {
+    matrix: &'a SparseMatrix,
+    x: &'a [[f64; ABREAST]],
+    y: &'a mut [[f64; ABREAST]],
+}
+
+impl WithSimd for Multiply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (row, y) in self.y.iter_mut().enumerate() {
+            let mut sums = [0.0; ABREAST];
+            for (column, value) in self.matrix.row(row) {
+                for (sum, x) in sums.iter_mut().zip(&self.x[column]) {
+                    *sum += value * x;
+                }
+            }
+            *y = sums;
+        }
     }
 }
 

@@ -1,4 +1,11 @@
 //! Symmetric banded matrices.
+use crate::SparseMatrix;
+use crate::linear::sparse::by_groups;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Parts of a sum, whatever the registers: all machines find the same bits.
+const PARTS: usize = 8;
+
 /// Lower half of a symmetric banded matrix: each row from the first entry of its band to the diagonal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandedMatrix {
@@ -45,18 +52,7 @@ impl BandedMatrix {
 
     /// `y = A x`.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        for (row, values) in self.values.chunks_exact(self.band + 1).enumerate() {
-            let first = row.saturating_sub(self.band);
-            let values = &values[self.band + first - row..];
-            let (left, diagonal) = values.split_at(row - first);
-            let mut sum = diagonal[0] * x[row];
-            for ((value, x_left), y_left) in left.iter().zip(&x[first..row]).zip(&mut y[first..row]) {
-                sum += value * x_left;
-                *y_left += value * x[row];
-            }
-            y[row] += sum;
-        }
+        Arch::new().dispatch(Multiply { matrix: self, x, y });
     }
 
     /// `xᵀ A x`.
@@ -65,6 +61,19 @@ impl BandedMatrix {
         let mut product = vec![0.0; self.size];
         self.multiply(x, &mut product);
         product.iter().zip(x).map(|(a, b)| a * b).sum()
+    }
+}
+
+impl From<&SparseMatrix> for BandedMatrix {
+    /// The lower half of a symmetric matrix.
+    fn from(matrix: &SparseMatrix) -> Self {
+        let of_row = |row: usize| {
+            matrix
+                .row(row)
+                .map(move |(column, value)| (row as u32, column as u32, value))
+        };
+        let entries: Vec<_> = (0..matrix.size()).flat_map(of_row).collect();
+        Self::from_entries(matrix.size(), 0, &entries)
     }
 }
 
@@ -97,31 +106,13 @@ impl BandedFactor {
     }
 
     fn of(size: usize, band: usize, mut values: Vec<f64>) -> Self {
-        let width = band + 1;
         let mut diagonal = vec![0.0; size];
-        for row in 0..size {
-            let first = row.saturating_sub(band);
-            let (above, own) = values.split_at_mut(row * width);
-            let own = &mut own[..width];
-            // `own` holds `L D` until the row is done.
-            for column in first..row {
-                let from = first.max(column.saturating_sub(band));
-                let other = &above[column * width + band + from - column..column * width + band];
-                let mine = &own[band + from - row..band + column - row];
-                let sum: f64 = mine.iter().zip(other).map(|(a, b)| a * b).sum();
-                own[band + column - row] -= sum;
-            }
-            let mut pivot = own[band];
-            for column in first..row {
-                let entry = &mut own[band + column - row];
-                let scaled = *entry / diagonal[column];
-                pivot -= *entry * scaled;
-                *entry = scaled;
-            }
-            // A pivot of exactly zero is a shift on an eigenvalue of a leading part.
-            diagonal[row] = if pivot == 0.0 { f64::MIN_POSITIVE.sqrt() } else { pivot };
-        }
-        let rows = values.chunks_exact(width);
+        Arch::new().dispatch(Factor {
+            band,
+            values: &mut values,
+            diagonal: &mut diagonal,
+        });
+        let rows = values.chunks_exact(band + 1);
         let lower = rows.flat_map(|row| row[..band].iter().copied()).collect();
         Self {
             size,
@@ -145,32 +136,12 @@ impl BandedFactor {
 
     /// Solves for `N` right sides at once, in place; `x[row]` holds their entries of a row.
     pub fn solve_many<const N: usize>(&self, x: &mut [[f64; N]]) {
-        let band = self.band;
-        for row in 0..self.size {
-            let first = row.saturating_sub(band);
-            let left = &self.lower[row * band + band + first - row..(row + 1) * band];
-            let (done, rest) = x.split_at_mut(row);
-            let own = &mut rest[0];
-            for (value, other) in left.iter().zip(&done[first..]) {
-                for (own, other) in own.iter_mut().zip(other) {
-                    *own -= value * other;
-                }
-            }
-        }
-        for (x, pivot) in x.iter_mut().zip(&self.diagonal) {
-            x.iter_mut().for_each(|x| *x /= pivot);
-        }
-        for row in (0..self.size).rev() {
-            let first = row.saturating_sub(band);
-            let left = &self.lower[row * band + band + first - row..(row + 1) * band];
-            let (before, rest) = x.split_at_mut(row);
-            let own = rest[0];
-            for (value, other) in left.iter().zip(&mut before[first..]) {
-                for (other, own) in other.iter_mut().zip(own) {
-                    *other -= value * own;
-                }
-            }
-        }
+        Arch::new().dispatch(Solve { factor: self, x });
+    }
+
+    /// Solves for right sides one after the other, in place.
+    pub fn solve_columns(&self, columns: &mut [f64]) {
+        by_groups(self.size, columns, |group| self.solve_many(group));
     }
 
     /// Solves for one right side.
@@ -182,5 +153,154 @@ impl BandedFactor {
         }
         self.solve_many(&mut x);
         x.into_iter().map(|[x]| x).collect()
+    }
+}
+
+/// `Σ a b`, with the instructions of the caller.
+#[inline(always)]
+fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<PARTS>(), b.as_chunks::<PARTS>());
+    let mut sums = [0.0; PARTS];
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..PARTS {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+        *sum += a * b;
+    }
+    sums.iter().sum()
+}
+
+/// `Σ a b`.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    struct Dot<'a>(&'a [f64], &'a [f64]);
+    impl WithSimd for Dot<'_> {
+        type Output = f64;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) -> f64 {
+            sum_of_products(self.0, self.1)
+        }
+    }
+    Arch::new().dispatch(Dot(a, b))
+}
+
+/// `y = A x`.
+struct Multiply<'a> {
+    matrix: &'a BandedMatrix,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl WithSimd for Multiply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { matrix, x, y } = self;
+        let band = matrix.band;
+        y.fill(0.0);
+        for (row, values) in matrix.values.chunks_exact(band + 1).enumerate() {
+            let first = row.saturating_sub(band);
+            let (left, diagonal) = values[band + first - row..].split_at(row - first);
+            for (y, value) in y[first..row].iter_mut().zip(left) {
+                *y += value * x[row];
+            }
+            y[row] += diagonal[0] * x[row] + sum_of_products(left, &x[first..row]);
+        }
+    }
+}
+
+/// Rows of a matrix to those of its factor.
+struct Factor<'a> {
+    band: usize,
+    values: &'a mut [f64],
+    diagonal: &'a mut [f64],
+}
+
+impl WithSimd for Factor<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { band, values, diagonal } = self;
+        let width = band + 1;
+        for row in 0..diagonal.len() {
+            let first = row.saturating_sub(band);
+            let (above, own) = values.split_at_mut(row * width);
+            let own = &mut own[..width];
+            // `own` holds `L D` until the row is done.
+            for column in first..row {
+                let from = first.max(column.saturating_sub(band));
+                let other = &above[column * width + band + from - column..column * width + band];
+                let mine = &own[band + from - row..band + column - row];
+                own[band + column - row] -= sum_of_products(mine, other);
+            }
+            let mut pivot = own[band];
+            for column in first..row {
+                let entry = &mut own[band + column - row];
+                let scaled = *entry / diagonal[column];
+                pivot -= *entry * scaled;
+                *entry = scaled;
+            }
+            // A pivot of exactly zero is a shift on an eigenvalue of a leading part.
+            diagonal[row] = if pivot == 0.0 { f64::MIN_POSITIVE.sqrt() } else { pivot };
+        }
+    }
+}
+
+/// Right sides to solutions.
+struct Solve<'a, const N: usize> {
+    factor: &'a BandedFactor,
+    x: &'a mut [[f64; N]],
+}
+
+impl<const N: usize> WithSimd for Solve<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        /// Sums of terms apart, which need not wait for each other.
+        const APART: usize = 4;
+        let Self { factor, x } = self;
+        let band = factor.band;
+        for row in 0..factor.size {
+            let first = row.saturating_sub(band);
+            let left = &factor.lower[row * band + band + first - row..(row + 1) * band];
+            let (done, rest) = x.split_at_mut(row);
+            let ((values, values_rest), (others, others_rest)) =
+                (left.as_chunks::<APART>(), done[first..].as_chunks::<APART>());
+            let mut sums = [[0.0; N]; APART];
+            for (values, others) in values.iter().zip(others) {
+                for k in 0..APART {
+                    for n in 0..N {
+                        sums[k][n] += values[k] * others[k][n];
+                    }
+                }
+            }
+            for (sum, (value, other)) in sums.iter_mut().zip(values_rest.iter().zip(others_rest)) {
+                for n in 0..N {
+                    sum[n] += value * other[n];
+                }
+            }
+            for n in 0..N {
+                rest[0][n] -= (sums[0][n] + sums[1][n]) + (sums[2][n] + sums[3][n]);
+            }
+        }
+        for (x, pivot) in x.iter_mut().zip(&factor.diagonal) {
+            let inverse = 1.0 / pivot;
+            x.iter_mut().for_each(|x| *x *= inverse);
+        }
+        for row in (0..factor.size).rev() {
+            let first = row.saturating_sub(band);
+            let left = &factor.lower[row * band + band + first - row..(row + 1) * band];
+            let (before, rest) = x.split_at_mut(row);
+            let own = rest[0];
+            for (value, other) in left.iter().zip(&mut before[first..]) {
+                for n in 0..N {
+                    other[n] -= value * own[n];
+                }
+            }
+        }
     }
 }

@@ -4,10 +4,13 @@
 //! | --- | --- |
 //! | `banded` | symmetric banded matrices and their factors `L D Lᵀ` |
 //! | `slice` | all eigenpairs between two values, by shifted and inverted block Lanczos |
+//! | `subspace` | the lowest eigenpairs of a small pencil, and those of a subspace |
 mod banded;
 mod slice;
+mod subspace;
 
 pub use banded::{BandedFactor, BandedMatrix};
+pub use subspace::{lowest_eigenpairs, restricted};
 
 use slice::{Slice, eigenpairs};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -23,6 +26,15 @@ pub struct Eigenpairs {
     pub values: Vec<f64>,
     /// Eigenvectors, one after the other.
     pub vectors: Vec<Vec<f64>>,
+}
+
+impl Eigenpairs {
+    /// The first ones.
+    fn first(mut self, count: usize) -> Self {
+        self.values.truncate(count);
+        self.vectors.truncate(count);
+        self
+    }
 }
 
 /// Reason why eigenpairs were not found.

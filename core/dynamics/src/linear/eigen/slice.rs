@@ -1,4 +1,5 @@
 //! All eigenpairs between two values.
+use super::banded::dot;
 use super::{BandedFactor, BandedMatrix, EigenError, Eigenpairs};
 use crate::SplitMix64;
 use faer::linalg::matmul::matmul;
@@ -225,10 +226,6 @@ pub(super) fn eigenpairs(
         low,
         high,
     })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `y −= α x`.
