@@ -1,7 +1,7 @@
 //! Pages, tables and pictures of `master check` for all shipped scenes.
 use integration_tests::fmus::tree;
+use integration_tests::lines::shipped_scene;
 use results::report::LinePage;
-use scene::Files;
 use std::fs;
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -29,12 +29,8 @@ const COARSE: [&str; 1] = ["catenary.mesh.elements_per_interval=1"];
 
 /// Page of a shipped scene, with keys.
 fn page(name: &str, keys: &[&str]) -> LinePage {
-    let folder = tree().join("scenes");
-    let text = fs::read_to_string(folder.join(format!("{name}.toml"))).unwrap();
-    let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-    let files = Files::new(|path| fs::read_to_string(folder.join(path)).map_err(|error| error.to_string()));
-    let scene = system::load_with(&text, name, &keys, &files).unwrap();
-    let prepared = simulation::prepare(scene, name, &folder, false).unwrap();
+    let scene = shipped_scene(name, keys);
+    let prepared = simulation::prepare(scene, name, &tree().join("scenes"), false).unwrap();
     let report = simulation::check::Report::of(&prepared).unwrap();
     simulation::check_page::page(&prepared, &report).unwrap()
 }

@@ -1,6 +1,6 @@
 //! The static state of a line, against closed forms and against itself.
 use catenary::{BendingLayers, Dimension, LineOptions, StaticLine, StaticsError, WireName};
-use integration_tests::lines::{EN, THESIS, scene_line, short_line, solve};
+use integration_tests::lines::{EN, THESIS, scene_line, shipped_scene, short_line, solve};
 use scene::{Catenary, Division};
 
 fn weight(catenary: &Catenary, line: &StaticLine) -> f64 {
@@ -549,4 +549,38 @@ fn the_position_along_the_track_is_found_again_on_the_wire() {
     }
     assert_eq!(line.line().contact_wire_s(0, -1.0, q), 0.0);
     assert_eq!(line.line().contact_wire_s(0, 601.0, q), curve.length());
+}
+
+/// Wires that do not move sideways have the lateral forces of the line in space, in which droppers lean a little less.
+#[test]
+fn arms_of_a_planar_line_hold_its_wires_aside() {
+    for name in [
+        "en50318-2018-ac-simple",
+        "curve",
+        "overlap",
+        "dc-twin-wire",
+        "tram-single-wire",
+    ] {
+        let scene = shipped_scene(name, &[]);
+        let catenary = scene.modelled_line().unwrap().0;
+        let of = |dimension: Dimension| {
+            let options = LineOptions {
+                dimension,
+                ..LineOptions::default()
+            };
+            let line = StaticLine::solve(catenary, options).unwrap();
+            let supports = line.report().supports.iter();
+            let forces = supports.flat_map(|support| [support.arm_lateral, support.messenger_lateral]);
+            forces.map(Option::unwrap).collect::<Vec<f64>>()
+        };
+        let (space, plane) = (of(Dimension::Spatial), of(Dimension::Planar));
+        let largest = space.iter().fold(0.0_f64, |largest, force| largest.max(force.abs()));
+        assert!(largest > 50.0, "{name}");
+        for (support, (space, plane)) in space.iter().zip(&plane).enumerate() {
+            assert!(
+                (space - plane).abs() < 0.02 * largest,
+                "{name}, {support}: {space} N, {plane} N"
+            );
+        }
+    }
 }

@@ -12,13 +12,19 @@ const LARGEST_TOLERANCE: f64 = 0.3;
 
 /// Reductions that may be added to those that change nothing. Modes are not among them: finding them takes longer than
 /// one run, and many runs over one line ask for them by name.
-const CANDIDATES: [&[Reduction]; 4] = [
+const CANDIDATES: [&[Reduction]; 8] = [
     &[],
     &[Reduction::Window],
     &[Reduction::Linearised],
     &[Reduction::Linearised, Reduction::Window],
+    &[Reduction::Planar],
+    &[Reduction::Planar, Reduction::Window],
+    &[Reduction::Planar, Reduction::Linearised],
+    &[Reduction::Planar, Reduction::Linearised, Reduction::Window],
 ];
 
+/// Cost of a line in its plane beside one in space, fitted to `docs/validation/reductions.csv`, –.
+const PLANAR_COST: f64 = 0.6;
 /// Cost of a linearised line beside a nonlinear one, fitted to `docs/validation/speed.csv`, –.
 const LINEARISED_COST: f64 = 0.6;
 /// Cost of a line in its modes, likewise, –.
@@ -87,7 +93,8 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
     };
     let mut best: Option<(f64, Scene)> = None;
     let mut why = String::new();
-    for reductions in candidates {
+    let are_new = |reductions: &&&[Reduction]| !reductions.iter().any(|reduction| scene.model.has(*reduction));
+    for reductions in candidates.iter().filter(are_new) {
         let mut trial = scene.clone();
         trial.model.reductions.extend(*reductions);
         match mesh_for(&trial, &search) {
@@ -139,10 +146,15 @@ fn cost_of_line(scene: &Scene) -> f64 {
     } else {
         1.0
     };
+    let plane = if has(Reduction::Planar) && scene.leaves_its_plane().is_some() {
+        PLANAR_COST
+    } else {
+        1.0
+    };
     let spans = catenary.spans() as f64;
     if !has(Reduction::Window) {
-        return motion * spans;
+        return plane * motion * spans;
     }
     let full = (WINDOW_SPANS + scene.spans_between_strips(catenary) as f64).min(spans);
-    motion * (full + REDUCED_SPAN_COST * (spans - full))
+    plane * motion * (full + REDUCED_SPAN_COST * (spans - full))
 }

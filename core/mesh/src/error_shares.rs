@@ -9,7 +9,7 @@
 //! linearised   the line about its static state
 //! window       spans beyond the window linear, reduced to modes
 //! modal        forces straight within a step, modes left out, borrowed dampers
-//! planar       straight wires seen from above: nothing where the line is in its plane anyway
+//! planar       wires that do not move sideways: nothing where nothing would move them
 //! tolerance    residual that ends Newton's method
 //! coupling     exchange of line and pantographs once per macro step
 //! ```
@@ -31,8 +31,12 @@ const TOLERANCE: f64 = 1.0;
 /// Error of the coupling with macro steps of 1 ms, which goes with their square, %.
 const COUPLING: f64 = 0.02;
 
-/// Error of straight wires seen from above, %.
-const STRAIGHT: f64 = 1.0;
+/// Error of wires that keep their lateral places, %: of all, and further with stitch wires and in curves.
+const KEPT: f64 = 0.15;
+const KEPT_STITCHED: f64 = 0.5;
+const KEPT_CURVED: f64 = 0.4;
+/// The same by arms that give way, % per share of the contact wire's stretch.
+const ARMS: f64 = 150.0;
 /// Error of a linearised line under the force [`USUAL_FORCE`], %.
 const LINEARISED: f64 = 1.4;
 /// Force of a pantograph, N, above which a linearised line errs with this power of it.
@@ -73,7 +77,7 @@ pub fn error_shares(scene: &Scene, step: f64) -> Result<Vec<ErrorShare>, String>
     ];
     for &reduction in &scene.model.reductions {
         let percent = match reduction {
-            Reduction::Planar => planar(scene),
+            Reduction::Planar => planar(scene, catenary),
             Reduction::Linearised => linearised(scene, catenary),
             Reduction::Modal => linearised(scene, catenary) + MODAL,
             Reduction::Window => window(scene, catenary),
@@ -104,9 +108,26 @@ pub fn sum(shares: &[ErrorShare]) -> f64 {
     shares.iter().map(|share| share.percent).sum()
 }
 
-/// Error of a straight line seen from above, %.
-fn planar(scene: &Scene) -> f64 {
-    scene.leaves_its_plane().map_or(0.0, |_| STRAIGHT)
+/// Error of a line whose wires keep their lateral places, %.
+///
+/// Change `T` of the tension of a contact wire of stiffness `EA`, which turns by an angle `γ`, moves an arm of lateral
+/// stiffness `k` by `T γ/k`, which lets the wire go by `T γ²/k` beside the `T L/EA` of its stretch over a span `L`.
+fn planar(scene: &Scene, catenary: &Catenary) -> f64 {
+    if scene.leaves_its_plane().is_none() {
+        return 0.0;
+    }
+    let is_curved = catenary.tension_lengths.iter().any(TensionLength::is_curved);
+    let mut percent = KEPT;
+    percent += if is_curved { KEPT_CURVED } else { 0.0 };
+    percent += catenary.stitch_wires.as_ref().map_or(0.0, |_| KEPT_STITCHED);
+    let ratio = catenary.contact_wire.axial_stiffness / catenary.registration_arms.lateral_stiffness;
+    let turns = catenary.sections().flat_map(|section| {
+        (1..section.spans()).map(move |support| {
+            let turn = section.turn_at(support, |support| section.stagger_at(support));
+            turn.powi(2) / section.span_lengths[support].min(section.span_lengths[support - 1])
+        })
+    });
+    percent + ARMS * (ratio * turns.fold(0.0, f64::max)).min(1.0)
 }
 
 /// Error of a line linearised about its static state, %.

@@ -138,6 +138,22 @@ impl<'a> Section<'a> {
         self.between_supports(x, |support| self.stagger_at(support))
     }
 
+    /// Angle by which a wire turns to the right at support `support` (from 0), rad, that lies at `lateral(support)`, m,
+    /// at the supports: between them it is straight on straight track, and follows a curve. At an end it is the angle
+    /// of its only span.
+    pub fn turn_at(&self, support: usize, lateral: impl Fn(usize) -> f64) -> f64 {
+        let slope = |span: usize| (lateral(span + 1) - lateral(span)) / self.span_lengths[span];
+        let before = support.checked_sub(1);
+        let after = (support < self.spans()).then_some(support);
+        let of_chords = before.map_or(0.0, slope) - after.map_or(0.0, slope);
+        // A load that is linear along a span stands on the supports by a third and a sixth of its ends.
+        let by_curve = |span: usize| {
+            let ends = self.curvature_at(span) + self.curvature_at(span + 1);
+            self.span_lengths[span] * (ends + self.curvature_at(support)) / 6.0
+        };
+        of_chords - before.map_or(0.0, by_curve) - after.map_or(0.0, by_curve)
+    }
+
     /// Value at `x` (m), straight between the values at the supports (from 0) on either side.
     pub fn between_supports(&self, x: f64, at: impl Fn(usize) -> f64) -> f64 {
         let (span, xi) = self.span_at(x);

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// All elements of a wire, with two components where it stays in the plane of x and z.
+/// All elements of a wire, with two components where it does not move sideways.
 #[derive(Clone, Debug)]
 pub(super) enum Batch {
     Planar(Box<Sweep<2>>),
@@ -22,12 +22,7 @@ pub(super) enum Batch {
 
 impl Batch {
     pub fn new(geometry: &WireGeometry, constants: &Constants) -> Self {
-        let lateral = |element: usize| {
-            let [_, r1_x, r2, r2_x] = geometry.local_reference(element);
-            r1_x.y != 0.0 || r2.y != 0.0 || r2_x.y != 0.0
-        };
-        let moves = |node: &super::WireNode| node.map.position(1).or(node.map.slope(1)).is_some();
-        if geometry.nodes().iter().any(moves) || (0..geometry.lengths().len()).any(lateral) {
+        if geometry.moves_sideways() {
             Self::Spatial(Box::new(Sweep::new(geometry, [0, 1, 2], constants)))
         } else {
             Self::Planar(Box::new(Sweep::new(geometry, [0, 2], constants)))
@@ -147,7 +142,7 @@ impl<const D: usize> Sweep<D> {
             let length = |lane: usize| lengths[element(group, lane)];
             let slopes: [Slopes; GROUP] = std::array::from_fn(|lane| {
                 let element = element(group, lane);
-                Slopes::new(geometry.local_reference(element), Length::new(lengths[element]))
+                Slopes::new(geometry.strained_reference(element), Length::new(lengths[element]))
             });
             let vector =
                 |of: fn(&Slopes) -> Vector3<f64>| axes.map(|axis| slopes.each_ref().map(|slopes| of(slopes)[axis]));

@@ -115,7 +115,7 @@ impl Wire {
         let elements = (geometry.lengths().iter().enumerate())
             .map(|(i, &length)| Element {
                 length,
-                reference: Slopes::new(geometry.local_reference(i), Length::new(length)),
+                reference: Slopes::new(geometry.strained_reference(i), Length::new(length)),
             })
             .collect();
         let constants = Constants {

@@ -103,7 +103,7 @@ impl Layers {
     pub fn new(geometry: &WireGeometry, constants: &Constants) -> Self {
         let (mut layers, mut pairs) = (Vec::new(), Vec::new());
         for (element, &length) in geometry.lengths().iter().enumerate() {
-            let reference = geometry.local_reference(element);
+            let reference = geometry.strained_reference(element);
             let here: Vec<_> = geometry.layers(element).collect();
             let tension_share = geometry.tension_shares().get(element).copied().unwrap_or(1.0);
             for (i, (enrichment, end)) in here.iter().enumerate() {

@@ -608,25 +608,24 @@ impl Topology {
         (span, (self.wires[wire].x[node] - left) / (right - left))
     }
 
-    /// Lateral position of a node, m: straight between the stagger of neighbouring supports; of a stitch wire that of
-    /// the messenger wire. In a planar line of staggered wires all wires of a tension length are in one plane along the
-    /// track, at the mean stagger of its contact wire.
+    /// Lateral position of a node at rest, m: between the stagger of neighbouring supports straight on straight track,
+    /// and as `y″ = −κ` has it in a curve; of a stitch wire that of the messenger wire.
+    ///
+    /// Wires of a planar line stay there; those of a line in space are let go from there.
     #[must_use]
     pub fn lateral(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
         let planned = &self.wires[node.wire];
         let section = catenary.section(planned.section);
-        if self.options.dimension == Dimension::Planar && catenary.is_staggered() {
-            let supports = 0..=section.spans();
-            let count = supports.clone().count() as f64;
-            return supports.map(|support| section.stagger_at(support)).sum::<f64>() / count;
-        }
         let (span, xi) = self.within_span(section, node);
         let stagger = |support: usize| match planned.name {
             WireName::ContactWire => section.stagger_at(support) + planned.offset,
             WireName::MessengerWire | WireName::StitchWire => section.messenger_stagger_at(support),
         };
         let (a, b) = (stagger(span), stagger(span + 1));
-        a + (b - a) * xi
+        let [left, right] = [span, span + 1].map(|support| section.curvature_at(support));
+        let length = section.support_x(span + 1) - section.support_x(span);
+        let bend = 0.5 * left * xi * (1.0 - xi) + (right - left) / 6.0 * xi * (1.0 - xi * xi);
+        a + (b - a) * xi + length.powi(2) * bend
     }
 
     /// Height that form finding prescribes at a node of a contact wire, m.

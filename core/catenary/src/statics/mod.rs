@@ -8,6 +8,7 @@
 //! change              temperature, ice and wrong droppers after the erection
 //! directors           a contact wire of beams, from one of cables
 //! repeat              long lines, from short ones
+//! sideways            lateral forces at supports of a line whose wires do not move sideways
 //! drawing             places of the parts at rest, for drawings
 //! tensioned_ends      friction and stops of the tensioning devices
 //! kept                results that follow from a static state, kept with it
@@ -25,6 +26,7 @@ mod load;
 mod nodal_displacement;
 mod repeat;
 mod report;
+mod sideways;
 mod tensioned_ends;
 
 pub use blow_off::BlowOffReport;
@@ -35,13 +37,14 @@ pub(crate) use repeat::Repeat;
 pub use report::{
     DropperReport, ElasticityReport, EndReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
 };
+use sideways::{Leaning, held_sideways};
 
 use crate::line::Equilibrium;
 use crate::line::modal::{Base, Wish};
 use crate::line::window::{Cells, Source};
 use crate::{
-    CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
-    WindOnLine, WireGeometry, WireName,
+    CurveColumns, DeadLoad, DropperPlace, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance,
+    Topology, WindOnLine, WireGeometry, WireName,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use nalgebra::Vector3;
@@ -478,6 +481,21 @@ impl StaticLine {
             line.supports().as_slice().iter(),
             line.registration_arms().as_slice().iter(),
         );
+        let leaning = |(index, place): (usize, &DropperPlace)| {
+            let [upper, lower] = [place.upper, place.lower].map(|at| node(at).position);
+            Leaning {
+                upper: place.upper,
+                lower: place.lower,
+                force: line.droppers().tension(index, &motion) * (upper.y - lower.y) / (upper - lower).norm(),
+            }
+        };
+        let leaning: Vec<Leaning> = self.topology.droppers().iter().enumerate().map(leaning).collect();
+        let is_curved = self
+            .catenary
+            .tension_lengths
+            .iter()
+            .any(scene::TensionLength::is_curved);
+        let is_led_sideways = self.catenary.is_staggered() || is_curved;
         let mut supports = Vec::new();
         for support in self.topology.support_places() {
             let (messenger, arm): (Vector3<f64>, Vector3<f64>) = if support.is_end {
@@ -491,14 +509,22 @@ impl StaticLine {
                     arms.map(|anchor| anchor.reaction).sum(),
                 )
             };
-            let spatial = node(support.contact_wires[0]).map.position(1).is_some();
+            let lateral = |of: &[NodeOfWire], found: f64| {
+                if node(support.contact_wires[0]).map.position(1).is_some() {
+                    return Some(found);
+                }
+                let held = of
+                    .iter()
+                    .map(|at| held_sideways((&self.catenary, &self.topology), &leaning, *at));
+                if is_led_sideways { held.sum() } else { None }
+            };
             supports.push(SupportReport {
                 tension_length: support.section + 1,
                 x: support.x,
                 messenger_reaction: messenger.z,
                 arm_force: arm.z,
-                messenger_lateral: spatial.then_some(messenger.y),
-                arm_lateral: spatial.then_some(arm.y),
+                messenger_lateral: lateral(support.messenger_wire.as_slice(), messenger.y),
+                arm_lateral: lateral(&support.contact_wires, arm.y),
                 contact_wire_z: node(support.contact_wires[0]).position.z,
             });
         }

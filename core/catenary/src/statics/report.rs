@@ -107,10 +107,10 @@ pub struct SupportReport {
     /// Vertical force on the contact wire and the arm's own mass, N, upwards.
     #[serde(rename = "arm_force_N")]
     pub arm_force: f64,
-    /// Lateral force on the messenger wire, N, to the left; none of a planar line.
+    /// Lateral force on the messenger wire, N, to the left; none of a planar line that nothing leads sideways.
     #[serde(rename = "messenger_lateral_N", default)]
     pub messenger_lateral: Option<f64>,
-    /// Lateral force of the arm on the contact wire, N, to the left; none of a planar line.
+    /// Lateral force of the arm on the contact wire, N, to the left; none of a planar line that nothing leads sideways.
     #[serde(rename = "arm_lateral_N", default)]
     pub arm_lateral: Option<f64>,
     /// Height of the contact wire, m.
