@@ -3,7 +3,7 @@ use super::load::LateralPull;
 use super::{StaticsError, options};
 use crate::line::{EndsOfWire, Equilibrium, WireCoordinates, curve_pull, layers, wire};
 use crate::{Attachment, DeadLoad, NodeOfWire, PlannedWire, Topology, Wire, WireGeometry, WireName, WireNode};
-use dynamics::{Force, Layout, State, System, solve_static};
+use dynamics::{Force, Layout, State, StaticSolver, System};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
@@ -81,6 +81,7 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
     let pull = curve_pull(catenary, topology, |at| &coordinates[at.wire].nodes[at.node]);
     let dead: Vec<(usize, f64)> = tension_load.into_iter().chain(weights).chain(pull.entries).collect();
     let mut pulls = vec![Vector3::<f64>::zeros(); topology.droppers().len()];
+    let mut solver = None;
     let mut iterations = 0;
     let mut distance = f64::INFINITY;
     for _ in 0..MOST_ROUNDS {
@@ -96,7 +97,9 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
             wires.lateral.ties.push((upper, lower, pull.z / height));
         }
         let mut state = wires.layout.state_at_rest();
-        iterations += solve_static(&mut wires, &mut state, &[], &options)?.iterations;
+        // Rounds differ in lengths and forces only.
+        let solver = solver.get_or_insert_with(|| StaticSolver::new(&mut wires, &state.motion(&[])));
+        iterations += solver.solve(&mut wires, &mut state, &[], &options)?.iterations;
         let mut force = vec![0.0; state.q.len()];
         wires.forces(&mut |part| part.add_force(&state.motion(&[]), &mut force));
 

@@ -34,4 +34,4 @@ pub use formulation::Formulation;
 pub use generalized_alpha::GeneralizedAlpha;
 pub use newton::{Counters, Jacobian, NewtonOptions, OutsideError, StepError};
 pub use simulator::{Checkpoint, Halved, Simulator};
-pub use statics::{StaticOptions, StaticReport, solve_static};
+pub use statics::{StaticOptions, StaticReport, StaticSolver, solve_static};

@@ -4,7 +4,7 @@ use crate::integrate::newton::name;
 use crate::integrate::residual::Since;
 use crate::integrate::workspace::Workspace;
 use crate::linear::block_tridiagonal::Precision;
-use crate::{NewtonOptions, State, StepError, System, Weights};
+use crate::{Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Options of the static solution.
@@ -54,15 +54,41 @@ pub fn solve_static(
     u: &[f64],
     options: &StaticOptions,
 ) -> Result<StaticReport, StepError> {
-    let start = state.clone();
-    let result = solve(system, state, u, options);
-    if result.is_err() {
-        *state = start;
+    StaticSolver::new(system, &state.motion(u)).solve(system, state, u, options)
+}
+
+/// Static solutions one after the other of systems whose contributions have the same entries: their pattern is analysed
+/// once.
+pub struct StaticSolver(Workspace);
+
+impl StaticSolver {
+    /// A solver for a system, and for others with its coordinates and entries.
+    pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
+        Self(Workspace::new(system, motion, Precision::Double))
     }
-    result
+
+    /// Moves `state` to the static equilibrium, see [`solve_static`].
+    ///
+    /// # Errors
+    /// See [`StepError`]; `state` is then unchanged.
+    pub fn solve(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        u: &[f64],
+        options: &StaticOptions,
+    ) -> Result<StaticReport, StepError> {
+        let start = state.clone();
+        let result = solve(&mut self.0, system, state, u, options);
+        if result.is_err() {
+            *state = start;
+        }
+        result
+    }
 }
 
 fn solve(
+    workspace: &mut Workspace,
     system: &mut dyn System,
     state: &mut State,
     u: &[f64],
@@ -71,7 +97,6 @@ fn solve(
     for vector in [&mut state.v, &mut state.v_dot, &mut state.a] {
         vector.fill(0.0);
     }
-    let mut workspace = Workspace::new(system, &state.motion(u), Precision::Double);
     let weights = Weights { q: 1.0, v: 0.0 };
     let newton = &options.newton;
     visit_histories(system, &mut |kept| kept.begin_step(&state.motion(u), 0.0));
