@@ -77,6 +77,23 @@ impl From<&SparseMatrix> for BandedMatrix {
     }
 }
 
+impl From<&BandedMatrix> for SparseMatrix {
+    fn from(matrix: &BandedMatrix) -> Self {
+        let band = matrix.band;
+        let rows = matrix.values.chunks_exact(band + 1).enumerate();
+        let entries = rows.flat_map(|(row, values)| {
+            let first = row.saturating_sub(band);
+            let own = (first..=row).zip(&values[band + first - row..]);
+            own.filter(|(_, value)| **value != 0.0)
+                .flat_map(move |(column, &value)| {
+                    let mirrored = (row != column).then_some((column as u32, row as u32, value));
+                    std::iter::once((row as u32, column as u32, value)).chain(mirrored)
+                })
+        });
+        Self::from_entries(matrix.size, entries.collect())
+    }
+}
+
 /// `L D Lᵀ` without exchange of rows: exact signs of the pivots for almost every shift.
 #[derive(Clone, Debug)]
 pub struct BandedFactor {

@@ -12,6 +12,7 @@ mod subspace;
 pub use banded::{BandedFactor, BandedMatrix};
 pub use subspace::{lowest_eigenpairs, restricted};
 
+use crate::SparseMatrix;
 use slice::{Slice, eigenpairs};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -79,6 +80,7 @@ pub fn eigenpairs_below(stiffness: &BandedMatrix, mass: &BandedMatrix, most: f64
         count: below(most),
     };
     cut(whole, &below, &mut slices);
+    let sparse = SparseMatrix::from(mass);
     let found = Mutex::new(vec![None; slices.len()]);
     let next = AtomicUsize::new(0);
     let workers = std::thread::available_parallelism()
@@ -92,7 +94,7 @@ pub fn eigenpairs_below(stiffness: &BandedMatrix, mass: &BandedMatrix, most: f64
                     let Some(slice) = slices.get(place) else {
                         break;
                     };
-                    let pairs = eigenpairs(stiffness, mass, slice);
+                    let pairs = eigenpairs(stiffness, (mass, &sparse), slice);
                     found.lock().unwrap_or_else(PoisonError::into_inner)[place] = Some(pairs);
                 }
             });

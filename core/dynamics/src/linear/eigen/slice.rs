@@ -1,7 +1,7 @@
 //! All eigenpairs between two values.
 use super::banded::dot;
 use super::{BandedFactor, BandedMatrix, EigenError, Eigenpairs};
-use crate::SplitMix64;
+use crate::{SparseMatrix, SplitMix64};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 
@@ -20,6 +20,8 @@ pub(super) struct Slice {
 const BLOCK: usize = 4;
 /// Residual of a converged eigenvector of the inverse, in units of its eigenvalue.
 const CONVERGED: f64 = 1e-9;
+/// Part of a column beyond others above which its product with the mass follows from theirs, –.
+const FOLLOWS: f64 = 1e-3;
 /// Part of an image beyond the basis below which a direction is spent, –.
 const SPENT: f64 = 1e-13;
 
@@ -61,7 +63,7 @@ impl Columns {
 
 /// Krylov space of `A = (K − σ M)⁻¹ M` with a basis `V`, `Vᵀ M V = 1`.
 struct Krylov<'a> {
-    mass: &'a BandedMatrix,
+    mass: &'a SparseMatrix,
     factor: BandedFactor,
     /// `V` and `M V`.
     basis: Columns,
@@ -98,20 +100,26 @@ impl Krylov<'_> {
     fn append(&mut self, mut w: Columns, scale: &[f64]) -> Vec<f64> {
         let first = self.basis.count();
         let rows = w.rows;
-        let mut product = vec![0.0; rows];
+        let values = self.mass.multiply_columns(&w.values);
+        let mut products = Columns { rows, values };
         let mut norms = Vec::with_capacity(w.count());
         for (k, scale) in scale.iter().enumerate() {
-            self.mass.multiply(w.column(k), &mut product);
-            norms.push(dot(w.column(k), &product).max(0.0).sqrt());
-            let own = w.column_mut(k);
+            let (own, product) = (w.column_mut(k), products.column_mut(k));
+            let before = dot(own, product).max(0.0).sqrt();
+            norms.push(before);
             for _ in 0..2 {
-                for before in first..self.basis.count() {
-                    let along = dot(self.with_mass.column(before), own);
-                    subtract(along, self.basis.column(before), own);
+                for other in first..self.basis.count() {
+                    let along = dot(self.with_mass.column(other), own);
+                    subtract(along, self.basis.column(other), own);
+                    subtract(along, self.with_mass.column(other), product);
                 }
             }
-            self.mass.multiply(own, &mut product);
-            let norm = dot(own, &product).max(0.0).sqrt();
+            let mut norm = dot(own, product).max(0.0).sqrt();
+            if norm < FOLLOWS * before {
+                product.fill(0.0);
+                self.mass.multiply_add(own, product);
+                norm = dot(own, product).max(0.0).sqrt();
+            }
             if norm > SPENT * scale && self.basis.count() < rows {
                 self.basis.values.extend(own.iter().map(|w| w / norm));
                 self.with_mass.values.extend(product.iter().map(|w| w / norm));
@@ -166,7 +174,7 @@ impl Krylov<'_> {
 /// 15 (1994) 228]: eigenvalues `θ` of `A` are `1/(λ − σ)`, largest next to the shift `σ` in the middle of the slice.
 pub(super) fn eigenpairs(
     stiffness: &BandedMatrix,
-    mass: &BandedMatrix,
+    (banded, mass): (&BandedMatrix, &SparseMatrix),
     slice: &Slice,
 ) -> Result<Eigenpairs, EigenError> {
     let n = stiffness.size();
@@ -174,7 +182,7 @@ pub(super) fn eigenpairs(
     let shift = 0.5 * (low + high);
     let mut krylov = Krylov {
         mass,
-        factor: BandedFactor::shifted(stiffness, shift, mass),
+        factor: BandedFactor::shifted(stiffness, shift, banded),
         basis: Columns::new(n),
         with_mass: Columns::new(n),
         projected: Vec::new(),
