@@ -33,8 +33,8 @@ impl Model {
 choice! {
     /// An entry of `model.reduce`.
     pub enum Reduction {
-        /// No lateral coordinates of the line: exact where nothing pushes or leads it sideways. Staggered wires and those
-        /// in curves keep their lateral places at rest.
+        /// No lateral coordinates of the line: exact where nothing pushes or leads it sideways. Staggered wires and
+        /// those in curves keep their lateral places at rest.
         Planar = "planar",
         /// The line linearised about its static, sagging state: exact for small motion only.
         Linearised = "linearised",
