@@ -2,7 +2,7 @@
 //!
 //! Differences go in the directions of the generalised velocities: a rotation turns about the axes of its body. A check
 //! panics with the largest error, as an assertion does.
-use crate::{Force, Layout, Motion, State, Updates, Weights, dense, rotation};
+use crate::{Force, Layout, Motion, SparseMatrix, State, Updates, Weights, dense, rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Largest asymmetry of a mass matrix, part of its largest entry: rounding.
@@ -222,6 +222,22 @@ pub fn jacobian(layout: &Layout, state: &State, function: &mut dyn FnMut(&State)
         .map(|index| derivative(layout, state, (index, step), function))
         .collect();
     DMatrix::from_columns(&columns)
+}
+
+/// `K` and `M` of a string of `n` masses of 1 kg and springs of 1 N/m between them and to both ends, with `ω² = 4 sin²(k
+/// π / (2 n + 2))`, `k = 1…n`, 1/s².
+#[must_use]
+pub fn string_of_masses(n: u32) -> [SparseMatrix; 2] {
+    let mut entries = Vec::new();
+    for i in 0..n {
+        entries.push((i, i, 2.0));
+        if i > 0 {
+            entries.push((i, i - 1, -1.0));
+            entries.push((i - 1, i, -1.0));
+        }
+    }
+    let mass = (0..n).map(|i| (i, i, 1.0)).collect();
+    [entries, mass].map(|entries| SparseMatrix::from_entries(n as usize, entries))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@
 //! ```
 
 use super::error_model::expected_error_at;
-use scene::{Catenary, PantographModel, Reduction, Scene, TensionLength, WireEnds};
+use scene::{Catenary, PantographModel, Reduction, Scene, WireEnds};
 
 /// One cause of error.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,18 +116,23 @@ fn planar(scene: &Scene, catenary: &Catenary) -> f64 {
     if scene.leaves_its_plane().is_none() {
         return 0.0;
     }
-    let is_curved = catenary.tension_lengths.iter().any(TensionLength::is_curved);
     let mut percent = KEPT;
-    percent += if is_curved { KEPT_CURVED } else { 0.0 };
+    percent += if catenary.is_curved() { KEPT_CURVED } else { 0.0 };
     percent += catenary.stitch_wires.as_ref().map_or(0.0, |_| KEPT_STITCHED);
-    let ratio = catenary.contact_wire.axial_stiffness / catenary.registration_arms.lateral_stiffness;
     let turns = catenary.sections().flat_map(|section| {
         (1..section.spans()).map(move |support| {
             let turn = section.turn_at(support, |support| section.stagger_at(support));
             turn.powi(2) / section.span_lengths[support].min(section.span_lengths[support - 1])
         })
     });
-    percent + ARMS * (ratio * turns.fold(0.0, f64::max)).min(1.0)
+    let sharpest = turns.fold(0.0, f64::max);
+    let (wire, arms) = (&catenary.contact_wire, &catenary.registration_arms);
+    let give = if sharpest > 0.0 {
+        (sharpest * wire.axial_stiffness / arms.lateral_stiffness).min(1.0)
+    } else {
+        0.0
+    };
+    percent + ARMS * give
 }
 
 /// Error of a line linearised about its static state, %.
@@ -156,7 +161,7 @@ fn window(scene: &Scene, catenary: &Catenary) -> f64 {
         && catenary.stitch_wires.is_none()
         && catenary.contact_wire_spacing.is_none()
         && catenary.messenger_wire.is_some()
-        && !catenary.tension_lengths.iter().any(TensionLength::is_curved);
+        && !catenary.is_curved();
     let of_linear = if is_plain { WINDOW } else { WINDOW_IN_OTHERS };
     if scene.model.has(Reduction::Linearised) {
         of_linear

@@ -335,6 +335,12 @@ impl Catenary {
         self.contact_wire_spacing.is_some() || all.any(|lateral| Some(lateral) != first)
     }
 
+    /// True where the track of some tension length is curved.
+    #[must_use]
+    pub fn is_curved(&self) -> bool {
+        self.tension_lengths.iter().any(TensionLength::is_curved)
+    }
+
     /// Lateral distances of the contact wires from the stagger, m: one, or two of a twin contact wire.
     #[must_use]
     pub fn contact_wire_offsets(&self) -> Vec<f64> {

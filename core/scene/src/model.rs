@@ -91,7 +91,7 @@ impl Scene {
         if catenary.is_staggered() {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
-        if catenary.tension_lengths.iter().any(crate::TensionLength::is_curved) {
+        if catenary.is_curved() {
             return Some("catenary.curve_radius bends the track".to_owned());
         }
         self.pushed_sideways()

@@ -18,7 +18,7 @@ pub(crate) fn curve_pull<'a>(
     map: impl Fn(NodeOfWire) -> &'a NodeMap,
 ) -> DeadLoad {
     let mut load = DeadLoad::default();
-    if !catenary.tension_lengths.iter().any(scene::TensionLength::is_curved) {
+    if !catenary.is_curved() {
         return load;
     }
     for (wire, planned) in topology.wires().iter().enumerate() {

@@ -490,12 +490,7 @@ impl StaticLine {
             }
         };
         let leaning: Vec<Leaning> = self.topology.droppers().iter().enumerate().map(leaning).collect();
-        let is_curved = self
-            .catenary
-            .tension_lengths
-            .iter()
-            .any(scene::TensionLength::is_curved);
-        let is_led_sideways = self.catenary.is_staggered() || is_curved;
+        let is_led_sideways = self.catenary.is_staggered() || self.catenary.is_curved();
         let mut supports = Vec::new();
         for support in self.topology.support_places() {
             let (messenger, arm): (Vector3<f64>, Vector3<f64>) = if support.is_end {

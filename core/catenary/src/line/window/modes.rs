@@ -98,23 +98,7 @@ impl Kept {
 mod tests {
     use super::*;
     use dynamics::eigen::BandedMatrix;
-
-    /// A string of `n` masses 1 kg and springs 1 N/m: ω² = 4 sin²(k π / (2 n + 2)).
-    fn string(n: u32) -> (SparseMatrix, SparseMatrix) {
-        let mut entries = Vec::new();
-        for i in 0..n {
-            entries.push((i, i, 2.0));
-            if i > 0 {
-                entries.push((i, i - 1, -1.0));
-                entries.push((i - 1, i, -1.0));
-            }
-        }
-        let mass = (0..n).map(|i| (i, i, 1.0)).collect();
-        (
-            SparseMatrix::from_entries(n as usize, entries),
-            SparseMatrix::from_entries(n as usize, mass),
-        )
-    }
+    use dynamics::testing::string_of_masses;
 
     /// A string that swings equally fast up and across, whose modes are therefore any mixture of both.
     #[test]
@@ -131,7 +115,7 @@ mod tests {
             });
             SparseMatrix::from_entries(2 * n, entries.collect())
         };
-        let (stiffness, mass) = string(n as u32);
+        let [stiffness, mass] = string_of_masses(n as u32);
         let (stiffness, mass) = (in_space(&stiffness), in_space(&mass));
         let factor = BandedFactor::new(&BandedMatrix::from(&stiffness));
         let across: Vec<bool> = (0..2 * n).map(|i| i % 2 == 0).collect();

@@ -125,25 +125,12 @@ fn turned(vectors: &[f64], (stiffness, inertia): (Mat<f64>, Mat<f64>)) -> Eigenp
 mod tests {
     use super::*;
     use crate::eigen::BandedMatrix;
-
-    /// A string of `n` masses 1 kg and springs 1 N/m: ω² = 4 sin²(k π / (2 n + 2)).
-    fn string(n: u32) -> [SparseMatrix; 2] {
-        let mut entries = Vec::new();
-        for i in 0..n {
-            entries.push((i, i, 2.0));
-            if i > 0 {
-                entries.push((i, i - 1, -1.0));
-                entries.push((i - 1, i, -1.0));
-            }
-        }
-        let mass = (0..n).map(|i| (i, i, 1.0)).collect();
-        [entries, mass].map(|entries| SparseMatrix::from_entries(n as usize, entries))
-    }
+    use crate::testing::string_of_masses;
 
     #[test]
     fn the_modes_of_a_string_of_masses_have_their_closed_form() {
         let n = 60;
-        let [stiffness, mass] = string(n);
+        let [stiffness, mass] = string_of_masses(n);
         let factor = BandedFactor::new(&BandedMatrix::from(&stiffness));
         for (count, accuracy) in [(12, 1e-4), (60, 1e-12)] {
             let found = lowest_eigenpairs((&stiffness, &factor), &mass, count);
