@@ -78,6 +78,20 @@ fn a_window_is_chosen_where_the_run_is_long_enough_for_its_set_up() {
 }
 
 #[test]
+fn a_staggered_line_is_planar_where_its_arms_hardly_give_way() {
+    let is_planar = |percent: &str, stiffness: &str| {
+        let keys = [
+            "catenary.stagger=[0.2, -0.2]",
+            &format!("run.accuracy_percent={percent}"),
+            &format!("catenary.registration_arms.lateral_stiffness={stiffness}"),
+        ];
+        read(EN_300, &keys).model.has(Reduction::Planar)
+    };
+    assert!(is_planar("1", "5e5"));
+    assert!(!is_planar("1", "5e3") && !is_planar("0.3", "5e5"));
+}
+
+#[test]
 fn given_keys_win() {
     let mesh = "catenary.mesh.elements_per_interval=4";
     let scene = read(EN_300, &["run.accuracy_percent=3", mesh]);
