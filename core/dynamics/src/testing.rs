@@ -224,8 +224,8 @@ pub fn jacobian(layout: &Layout, state: &State, function: &mut dyn FnMut(&State)
     DMatrix::from_columns(&columns)
 }
 
-/// `K` and `M` of a string of `n` masses of 1 kg and springs of 1 N/m between them and to both ends, with `ω² = 4 sin²(k
-/// π / (2 n + 2))`, `k = 1…n`, 1/s².
+/// `K` and `M` of a string of `n` masses of 1 kg and springs of 1 N/m between them and to both ends, with
+/// `ω² = 4 sin²(k π / (2 n + 2))`, `k = 1…n`, 1/s².
 #[must_use]
 pub fn string_of_masses(n: u32) -> [SparseMatrix; 2] {
     let mut entries = Vec::new();
