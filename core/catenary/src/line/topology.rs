@@ -204,6 +204,14 @@ impl PlannedWire {
         self.x.len() - 1
     }
 
+    /// Lateral place at a support of its tension length, m, from 0; of a stitch wire that of the messenger wire.
+    pub(crate) fn lateral_at(&self, section: Section<'_>, support: usize) -> f64 {
+        match self.name {
+            WireName::ContactWire => section.stagger_at(support) + self.offset,
+            WireName::MessengerWire | WireName::StitchWire => section.messenger_stagger_at(support),
+        }
+    }
+
     /// Nodes with a fastening, ascending.
     pub(crate) fn fastened(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.x.len()).filter(|&node| self.fastenings[node] != Fastening::Free)
@@ -602,26 +610,23 @@ impl Topology {
     }
 
     /// Span (from 0) of a node, its position within the span, 0…1.
-    fn within_span(&self, section: Section<'_>, NodeOfWire { wire, node }: NodeOfWire) -> (usize, f64) {
-        let span = self.wires[wire].span[node] - 1;
+    pub(crate) fn within_span(&self, catenary: &Catenary, NodeOfWire { wire, node }: NodeOfWire) -> (usize, f64) {
+        let planned = &self.wires[wire];
+        let (section, span) = (catenary.section(planned.section), planned.span[node] - 1);
         let (left, right) = (section.support_x(span), section.support_x(span + 1));
-        (span, (self.wires[wire].x[node] - left) / (right - left))
+        (span, (planned.x[node] - left) / (right - left))
     }
 
-    /// Lateral position of a node at rest, m: between the stagger of neighbouring supports straight on straight track,
-    /// and as `y″ = −κ` has it in a curve; of a stitch wire that of the messenger wire.
+    /// Lateral position of a node at rest, m: between the places at neighbouring supports straight on straight track,
+    /// and as `y″ = −κ` has it in a curve.
     ///
     /// Wires of a planar line stay there; those of a line in space are let go from there.
     #[must_use]
     pub fn lateral(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
         let planned = &self.wires[node.wire];
         let section = catenary.section(planned.section);
-        let (span, xi) = self.within_span(section, node);
-        let stagger = |support: usize| match planned.name {
-            WireName::ContactWire => section.stagger_at(support) + planned.offset,
-            WireName::MessengerWire | WireName::StitchWire => section.messenger_stagger_at(support),
-        };
-        let (a, b) = (stagger(span), stagger(span + 1));
+        let (span, xi) = self.within_span(catenary, node);
+        let [a, b] = [span, span + 1].map(|support| planned.lateral_at(section, support));
         let [left, right] = [span, span + 1].map(|support| section.curvature_at(support));
         let length = section.support_x(span + 1) - section.support_x(span);
         let bend = 0.5 * left * xi * (1.0 - xi) + (right - left) / 6.0 * xi * (1.0 - xi * xi);
@@ -636,7 +641,7 @@ impl Topology {
     #[must_use]
     pub fn prescribed_height(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
         let section = catenary.section(self.wires[node.wire].section);
-        let (span, xi) = self.within_span(section, node);
+        let (span, xi) = self.within_span(catenary, node);
         let (a, b) = (section.height_at(span), section.height_at(span + 1));
         a + (b - a) * xi - section.presag_of(span) * 4.0 * xi * (1.0 - xi)
     }

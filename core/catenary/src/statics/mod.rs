@@ -37,7 +37,7 @@ pub(crate) use repeat::Repeat;
 pub use report::{
     DropperReport, ElasticityReport, EndReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
 };
-use sideways::{Leaning, held_sideways};
+use sideways::Sideways;
 
 use crate::line::Equilibrium;
 use crate::line::modal::{Base, Wish};
@@ -481,16 +481,11 @@ impl StaticLine {
             line.supports().as_slice().iter(),
             line.registration_arms().as_slice().iter(),
         );
-        let leaning = |(index, place): (usize, &DropperPlace)| {
+        let leaning = self.topology.droppers().iter().enumerate().map(|(index, place)| {
             let [upper, lower] = [place.upper, place.lower].map(|at| node(at).position);
-            Leaning {
-                upper: place.upper,
-                lower: place.lower,
-                force: line.droppers().tension(index, &motion) * (upper.y - lower.y) / (upper - lower).norm(),
-            }
-        };
-        let leaning: Vec<Leaning> = self.topology.droppers().iter().enumerate().map(leaning).collect();
-        let is_led_sideways = self.catenary.is_staggered() || self.catenary.is_curved();
+            line.droppers().tension(index, &motion) * (upper.y - lower.y) / (upper - lower).norm()
+        });
+        let sideways = Sideways::new(&self.catenary, &self.topology, leaning);
         let mut supports = Vec::new();
         for support in self.topology.support_places() {
             let (messenger, arm): (Vector3<f64>, Vector3<f64>) = if support.is_end {
@@ -508,10 +503,8 @@ impl StaticLine {
                 if node(support.contact_wires[0]).map.position(1).is_some() {
                     return Some(found);
                 }
-                let held = of
-                    .iter()
-                    .map(|at| held_sideways((&self.catenary, &self.topology), &leaning, *at));
-                if is_led_sideways { held.sum() } else { None }
+                let sideways = sideways.as_ref()?;
+                of.iter().map(|at| sideways.held(*at)).sum()
             };
             supports.push(SupportReport {
                 tension_length: support.section + 1,

@@ -3,7 +3,7 @@ use super::form_finding::guess;
 use super::{Standalone, StaticsError, options};
 use crate::line::Equilibrium;
 use crate::{Anchor, Line, PlannedWire, Topology, WireName};
-use dynamics::{Layout, State, solve_static};
+use dynamics::{Layout, State, StaticSolver};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
@@ -92,8 +92,9 @@ pub(super) fn settle(
     let options = options(500, topology);
     let mut equilibrium = start.clone();
     let mut iterations = 0;
+    let mut solver = StaticSolver::new(&mut system, &state.motion(&[]));
     for _ in 0..MOST_ROUNDS {
-        iterations += solve_static(&mut system, &mut state, &[], &options)?.iterations;
+        iterations += solver.solve(&mut system, &mut state, &[], &options)?.iterations;
         let moved = state.q.iter().fold(0.0_f64, |max, q| max.max(q.abs()));
         equilibrium = taken_as_reference(&equilibrium, &system.line, &state);
         system.line = line(&equilibrium);

@@ -4,7 +4,7 @@ use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve}
 use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, eigenpairs_below};
 use dynamics::modal::Aligned;
 use dynamics::modal::kernels::{self, LANES};
-use dynamics::{Blocks, Force, Layout, Weights};
+use dynamics::{Blocks, Force, Layout, SparseMatrix, Weights};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -130,10 +130,11 @@ impl Modes {
         let of_droppers = vec![beta * law.stiffness - law.damping; gradients.len()];
         let of_supports = supports.iter().map(|support| beta * support.stiffness);
         let borrowed: Vec<f64> = of_droppers.into_iter().chain(of_supports).collect();
+        let of_line = SparseMatrix::from(&pencil.damping);
         let damping = pairs.vectors.iter().map(|vector| {
             let joints = joints.iter().zip(&borrowed);
             let by_joints = joints.map(|(gradient, damper)| damper * along(gradient, vector).powi(2));
-            pencil.damping.quadratic_form(vector) + by_joints.sum::<f64>()
+            of_line.quadratic_form(vector) + by_joints.sum::<f64>()
         });
         // Vectors end with modes that nothing excites.
         let padded = |mut values: Vec<f64>, rest: f64| {

@@ -61,14 +61,13 @@ impl Kept {
                     .sum::<f64>()
                     > 0.5
             };
+            let pairs = found.values.into_iter().zip(found.vectors);
             let mut left = self.apart;
-            let (first, others): (Vec<_>, Vec<_>) =
-                (found.values.into_iter().zip(found.vectors)).partition(|(_, mode)| {
-                    left > 0 && is_along(mode) && {
-                        left -= 1;
-                        true
-                    }
-                });
+            let (first, others): (Vec<_>, Vec<_>) = pairs.partition(|(_, mode)| {
+                let is_first = left > 0 && is_along(mode);
+                left -= usize::from(is_first);
+                is_first
+            });
             let (values, vectors) = first.into_iter().chain(others).take(count).unzip();
             Eigenpairs { values, vectors }
         };

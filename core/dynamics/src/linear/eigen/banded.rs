@@ -49,19 +49,6 @@ impl BandedMatrix {
     pub fn entries(&self) -> &[f64] {
         &self.values
     }
-
-    /// `y = A x`.
-    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        Arch::new().dispatch(Multiply { matrix: self, x, y });
-    }
-
-    /// `xᵀ A x`.
-    #[must_use]
-    pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        let mut product = vec![0.0; self.size];
-        self.multiply(x, &mut product);
-        product.iter().zip(x).map(|(a, b)| a * b).sum()
-    }
 }
 
 impl From<&SparseMatrix> for BandedMatrix {
@@ -200,32 +187,6 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     Arch::new().dispatch(Dot(a, b))
-}
-
-/// `y = A x`.
-struct Multiply<'a> {
-    matrix: &'a BandedMatrix,
-    x: &'a [f64],
-    y: &'a mut [f64],
-}
-
-impl WithSimd for Multiply<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { matrix, x, y } = self;
-        let band = matrix.band;
-        y.fill(0.0);
-        for (row, values) in matrix.values.chunks_exact(band + 1).enumerate() {
-            let first = row.saturating_sub(band);
-            let (left, diagonal) = values[band + first - row..].split_at(row - first);
-            for (y, value) in y[first..row].iter_mut().zip(left) {
-                *y += value * x[row];
-            }
-            y[row] += diagonal[0] * x[row] + sum_of_products(left, &x[first..row]);
-        }
-    }
 }
 
 /// Rows of a matrix to those of its factor.

@@ -33,10 +33,8 @@ struct Columns {
 
 impl Columns {
     fn new(rows: usize) -> Self {
-        Self {
-            rows,
-            values: Vec::new(),
-        }
+        let values = Vec::new();
+        Self { rows, values }
     }
 
     fn count(&self) -> usize {
@@ -140,19 +138,9 @@ impl Krylov<'_> {
     /// `A` on the basis vectors from `first` on.
     fn images(&self, first: usize) -> Columns {
         let rows = self.mass.size();
-        let mut sides = vec![[0.0; BLOCK]; rows];
-        let count = self.basis.count() - first;
-        for k in 0..count {
-            for (side, value) in sides.iter_mut().zip(self.with_mass.column(first + k)) {
-                side[k] = *value;
-            }
-        }
-        self.factor.solve_many(&mut sides);
-        let mut images = Columns::new(rows);
-        for k in 0..count {
-            images.values.extend(sides.iter().map(|side| side[k]));
-        }
-        images
+        let mut values = self.with_mass.values[first * rows..].to_vec();
+        self.factor.solve_columns(&mut values);
+        Columns { rows, values }
     }
 
     /// Eigenvalues and eigenvectors of the projection of `A`; none where the iteration for them fails.

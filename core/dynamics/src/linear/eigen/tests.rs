@@ -33,10 +33,10 @@ fn eigenvalues_of_a_chain_are_those_of_the_closed_form() {
     let found = eigenpairs_below(&stiffness, &mass, 2.0).unwrap();
     let count = (1..=n).filter(|&k| expected(n, k) <= 2.0).count();
     assert_eq!(found.values.len(), count);
-    let mut product = vec![0.0; n];
+    let stiffness = SparseMatrix::from(&stiffness);
     for (k, (value, vector)) in found.values.iter().zip(&found.vectors).enumerate() {
         assert!((value / expected(n, k + 1) - 1.0).abs() < 1e-10, "{k}: {value}");
-        stiffness.multiply(vector, &mut product);
+        let product = stiffness.multiply_columns(vector);
         let left = product
             .iter()
             .zip(vector)
