@@ -38,7 +38,9 @@ const TWIN: Case = Case {
     dimension: Dimension::Spatial,
 };
 
-const MESH: &str = "catenary.mesh={elements_per_interval=16}";
+const MESH: &str = "catenary.mesh={elements_per_interval=32}";
+/// Elements as short as the bending length of the contact wire.
+const FINE: &str = "catenary.mesh={elements_per_interval=64}";
 
 fn column(rows: &Value, key: &str) -> Vec<f64> {
     let rows = rows.as_array().unwrap().iter();
@@ -56,8 +58,8 @@ fn relative(ours: f64, theirs: f64) -> f64 {
     ours / theirs - 1.0
 }
 
-fn statics_agree(case: &Case) -> (StaticLine, Value) {
-    let scene = scene_with(case.scene, &[MESH]);
+fn statics_agree(case: &Case, mesh: &str) -> (StaticLine, Value) {
+    let scene = scene_with(case.scene, &[mesh]);
     let options = LineOptions {
         dimension: case.dimension,
         layers: BendingLayers::AtAttachments,
@@ -98,7 +100,7 @@ fn statics_agree(case: &Case) -> (StaticLine, Value) {
 
 #[test]
 fn a_stitched_line_hangs_and_yields_as_in_an_independent_program() {
-    let (line, theirs) = statics_agree(&STITCHED);
+    let (line, theirs) = statics_agree(&STITCHED, MESH);
     // The heights of the clamps follow from the jump of the messenger wire's tension there.
     let mut ours = Vec::new();
     let wires = line.line().topology().wires().iter().zip(line.line().wires());
@@ -113,15 +115,23 @@ fn a_stitched_line_hangs_and_yields_as_in_an_independent_program() {
 
 #[test]
 fn an_overlap_hangs_and_yields_as_in_an_independent_program() {
-    statics_agree(&OVERLAP);
+    statics_agree(&OVERLAP, MESH);
 }
 
 #[test]
 fn twin_wires_hang_and_yield_as_in_an_independent_program() {
-    statics_agree(&TWIN);
+    // Kinks of the messenger wire, a string, are there on both meshes.
+    let [coarse, fine] = [MESH, FINE].map(|mesh| {
+        let (line, _) = statics_agree(&TWIN, mesh);
+        line.elasticity(&[180.0]).unwrap()[0].elasticity
+    });
+    assert!(
+        (coarse / fine - 1.0).abs() < 5e-4,
+        "at a support: {coarse} and {fine} m/N"
+    );
 }
 
-/// The filtered force of a run as one system at the places of the other program's, against that.
+/// Largest difference of the filtered force of a run as one system from that of the other program, of its `σ`.
 fn force_apart(case: &Case, linearised: bool) -> f64 {
     let mut reductions = Vec::new();
     reductions.extend((case.dimension == Dimension::Planar).then_some("\"planar\""));
@@ -163,7 +173,7 @@ fn force_apart(case: &Case, linearised: bool) -> f64 {
         100.0 * apart,
         100.0 * most
     );
-    apart
+    most
 }
 
 #[test]
@@ -186,6 +196,6 @@ fn the_force_on_twin_wires_is_that_of_an_independent_program() {
 fn nonlinear_lines_stay_close_to_an_independent_program_that_is_linear() {
     // Products of displacements are left out there; wires under constant tension wander along the track.
     for case in [STITCHED, OVERLAP, TWIN] {
-        assert!(force_apart(&case, false) < 0.06);
+        assert!(force_apart(&case, false) < 0.2);
     }
 }

@@ -4,7 +4,10 @@ A wire is a chain of straight elements between nodes on its static curve. Node c
 rotation phi; in the frame of the element (cosine c, sine s of its chord, length l) a = c u + s w along it and
 t = c w - s u across it. Incremental energy, with N = H l/dx the static tension of the element:
 
-    U = 1/2 EA/l (a2 - a1)^2 + 1/2 int N t'^2 + EI t''^2,    t cubic in (t1, phi1, t2, phi2), a linear
+    U = 1/2 S/l (a2 - a1)^2 + 1/2 int N t'^2 + EI t''^2,    t cubic in (t1, phi1, t2, phi2), a linear
+
+A wire of length lam L0 pulls with N = EA lam (lam^2 - 1)/2 [Green and Lagrange, docs/theory/ancf.md], so that
+S = l dN/dl = EA lam (3 lam^2 - 1)/2: by 4 N/EA above EA.
 
 Mass is consistent with the same fields; damping of a wire is alpha M + beta (N int t'^2 + EI int t''^2, and N/l
 (a2 - a1)^2 along it). A wire with EI = 0 has a hinge at each point (rotations of both sides are free), others have one
@@ -56,6 +59,15 @@ def in_frame(c, s, along, across):
     return to_a.transpose(0, 2, 1) @ along @ to_a + to_t.transpose(0, 2, 1) @ across @ to_t
 
 
+def axial_stiffness(ea, tension):
+    """S of the module docstring under these tensions, N."""
+    stretch = 1 + tension / ea
+    for _ in range(20):  # Newton's method
+        excess = ea * stretch * (stretch**2 - 1) / 2 - tension
+        stretch = stretch - excess / (ea * (3 * stretch**2 - 1) / 2)
+    return ea * stretch * (3 * stretch**2 - 1) / 2
+
+
 class Chain:
     """Elements of one wire: nodes x, z; per element its coordinates (e, 6) and its geometry."""
 
@@ -70,7 +82,8 @@ class Chain:
         w, l = self.wire, self.l
         pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
         bend = self.n[:, None, None] * products(l, 1) + w.ei * products(l, 2)
-        stiffness = in_frame(self.c, self.s, (w.ea / l)[:, None, None] * pair, bend)
+        along = axial_stiffness(w.ea, self.n) / l
+        stiffness = in_frame(self.c, self.s, along[:, None, None] * pair, bend)
         halves = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
         mass = in_frame(self.c, self.s, (w.mass * l)[:, None, None] * halves, w.mass * products(l, 0))
         damped = in_frame(self.c, self.s, (self.n / l)[:, None, None] * pair, bend)

@@ -1,7 +1,7 @@
 //! Mesh, corrections and micro step chosen for a scene, and refusals of those that cannot be.
 
 use catenary::mesh::{MeshError, corrections_left_out, expected_error, expected_error_at, load};
-use scene::{Correction, Division, Scene};
+use scene::{Correction, Division, Scene, WireKind};
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN: &str = EN_250;
@@ -150,7 +150,7 @@ fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_th
     let (line, _) = even.modelled_line().unwrap();
     assert_eq!(line.mesh.division, Division::UpTo(0.93));
     assert_eq!(elements(&even), 66);
-    assert_eq!(line.shortest_element(), 5.0 / 6.0);
+    assert_eq!(line.shortest_element(WireKind::Contact), 5.0 / 6.0);
     assert_eq!(line.longest_element(), 6.5 / 7.0);
     let written = even.to_toml();
     assert!(written.contains("\nelement_length = 0.93\n") && !written.contains("elements_per_interval"));

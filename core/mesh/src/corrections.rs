@@ -214,19 +214,20 @@ pub fn contradictions(scene: &Scene) -> Found {
 }
 
 fn layers_obstacle(catenary: &Catenary) -> Option<String> {
-    let bends = |(_, wire): (_, &Wire)| wire.bending_stiffness > 0.0;
-    if !catenary.wire_kinds().any(bends) && catenary.messenger_wire.is_none() {
+    // A strip has no normal on a kink, so that a contact wire that is a string stays smooth.
+    let bends = |(kind, wire): &(WireKind, &Wire)| wire.bending_stiffness > 0.0 || *kind != WireKind::Contact;
+    let mut wires = catenary.wire_kinds().filter(bends).peekable();
+    let Some(&(kind, first)) = wires.peek() else {
         return Some("the wire is a string, bending_stiffness = 0, so there is no bending layer to resolve".to_owned());
-    }
-    let shortest = catenary.shortest_element();
-    catenary.wire_kinds().find_map(|(kind, wire)| {
-        let layer = wire.bending_length();
-        (layer > shortest).then(|| {
-            format!(
-                "the shortest element, {shortest:.4} m, is below the bending length of the {}, √(bending_stiffness / \
-                 tension) = {layer:.4} m: the elements follow the bend themselves",
-                kind.words()
-            )
-        })
+    };
+    let follows = |(kind, wire): (WireKind, &Wire)| wire.bending_length() > catenary.shortest_element(kind);
+    wires.all(follows).then(|| {
+        format!(
+            "the shortest element, {:.4} m, is below the bending length of the {}, √(bending_stiffness / tension) = \
+             {:.4} m: the elements follow the bend themselves",
+            catenary.shortest_element(kind),
+            kind.words(),
+            first.bending_length()
+        )
     })
 }

@@ -162,12 +162,11 @@ impl Catenary {
         })
     }
 
-    /// Length of the shortest element along the track, m.
+    /// Length of the shortest element of the wires of a kind along the track, m; infinite without such wires.
     #[must_use]
-    pub fn shortest_element(&self) -> f64 {
-        self.elements()
-            .map(|(_, length, _)| length)
-            .fold(f64::INFINITY, f64::min)
+    pub fn shortest_element(&self, kind: WireKind) -> f64 {
+        let own = self.elements().filter(|((of, _), ..)| *of == kind);
+        own.map(|(_, length, _)| length).fold(f64::INFINITY, f64::min)
     }
 
     /// Length of the longest element along the track, m.

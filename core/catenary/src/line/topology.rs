@@ -91,6 +91,8 @@ pub struct PlannedWire {
     pub(crate) ends: EndsOfWire,
     /// True for beam elements.
     pub(crate) beam: bool,
+    /// Shortest element of the whole wire, m.
+    shortest: f64,
 }
 
 /// Place of a dropper in the line.
@@ -182,6 +184,7 @@ impl PlannedWire {
             fastenings: vec![first.fastening],
             ends,
             beam: false,
+            shortest: f64::INFINITY,
         };
         for (start, end) in stations.iter().zip(&stations[1..]) {
             let elements = division.elements(end.length);
@@ -195,6 +198,8 @@ impl PlannedWire {
             wire.span.push(end.span);
             wire.fastenings.push(end.fastening);
         }
+        let elements = wire.x.windows(2).map(|ends| ends[1] - ends[0]);
+        wire.shortest = elements.fold(f64::INFINITY, f64::min);
         wire
     }
 
@@ -227,6 +232,8 @@ impl PlannedWire {
         };
         // A strip has no normal on a kink: a contact wire that is a string stays smooth.
         let bends = self.parameters.bending_stiffness > 0.0 || self.name != WireName::ContactWire;
+        // Shorter elements follow a bend themselves; no element follows the kinks of a string.
+        let bends = bends && self.parameters.bending_length() <= self.shortest;
         match self.fastenings[node] {
             Fastening::Support if has_layers && bends && options.dimension == Dimension::Spatial => {
                 vec![Vector3::z(), Vector3::y()]

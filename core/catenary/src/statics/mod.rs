@@ -43,8 +43,8 @@ use crate::line::Equilibrium;
 use crate::line::modal::{Base, Wish};
 use crate::line::window::{Cells, Source};
 use crate::{
-    CurveColumns, DeadLoad, DropperPlace, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance,
-    Topology, WindOnLine, WireGeometry, WireName,
+    CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
+    WindOnLine, WireGeometry, WireName,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use nalgebra::Vector3;
