@@ -363,10 +363,10 @@ impl Catenary {
         self.section(self.lowest_at(x)).chord_height(x)
     }
 
-    /// Lateral position of the lowest contact wire at rest at `x` (m), m, straight between its supports.
+    /// Lateral position of the lowest contact wire at rest at `x` (m), m.
     #[must_use]
-    pub fn chord_lateral(&self, x: f64) -> f64 {
-        self.section(self.lowest_at(x)).chord_lateral(x)
+    pub fn lateral(&self, x: f64) -> f64 {
+        self.section(self.lowest_at(x)).lateral(x)
     }
 
     /// Tension length (from 0) whose contact wire is lowest at `x` (m); the first one beyond the line.

@@ -132,10 +132,21 @@ impl<'a> Section<'a> {
         self.between_supports(x, |support| self.height_at(support))
     }
 
-    /// Lateral position of the contact wire at rest at `x` (m), m, straight between its supports.
+    /// Lateral position of the contact wire at rest at `x` (m), m; beyond the supports that of the end.
     #[must_use]
-    pub fn chord_lateral(&self, x: f64) -> f64 {
-        self.between_supports(x, |support| self.stagger_at(support))
+    pub fn lateral(&self, x: f64) -> f64 {
+        let (span, xi) = self.span_at(x);
+        self.lateral_within((span, xi.clamp(0.0, 1.0)), |support| self.stagger_at(support))
+    }
+
+    /// Lateral position at `xi`, 0…1, in span `span` (from 0) of a wire at rest that lies at `at(support)`, m, at the
+    /// supports (from 0): straight between them on straight track, and as `y″ = −κ` has it in a curve.
+    #[must_use]
+    pub fn lateral_within(&self, (span, xi): (usize, f64), at: impl Fn(usize) -> f64) -> f64 {
+        let [a, b] = [span, span + 1].map(at);
+        let [left, right] = [span, span + 1].map(|support| self.curvature_at(support));
+        let bend = 0.5 * left * xi * (1.0 - xi) + (right - left) / 6.0 * xi * (1.0 - xi * xi);
+        a + (b - a) * xi + self.span_lengths[span].powi(2) * bend
     }
 
     /// Angle by which a wire turns to the right at support `support` (from 0), rad, that lies at `lateral(support)`, m,

@@ -7,6 +7,9 @@ use results::{Record, StripRecord};
 /// Depth of a wire below the top of a head without contact force that no opening contact reaches, m.
 const UNDER: f64 = 1e-3;
 
+/// Parts of a span at whose ends the wire at rest is looked at.
+const PARTS: u32 = 16;
+
 /// Samples of a strip that were of one kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stretch {
@@ -118,20 +121,23 @@ fn under(name: &str, record: &Record, strip: &StripRecord, head: f64, x: impl Fn
     ))
 }
 
-/// Supports at which the wire at rest is on a horn.
+/// Spans in which the wire at rest is on a horn.
 #[must_use]
 pub fn foreseen(scene: &Scene) -> Vec<String> {
     let Some((line, _)) = scene.modelled_line() else {
         return Vec::new();
     };
     let seen = horned(scene).filter_map(|(index, strip, head)| {
-        let supports = (0..=line.spans()).map(|support| {
-            let x = line.support_x(support);
-            (x, line.chord_lateral(x) - scene.strip_start_y())
+        // Within a span the wire of a curve lies further inside than at the supports.
+        let spans = (0..line.spans()).filter_map(|span| {
+            let [left, right] = [span, span + 1].map(|support| line.support_x(support));
+            let places = (0..=PARTS).map(|part| left + (right - left) * f64::from(part) / f64::from(PARTS));
+            let asides = places.map(|x| (x, line.lateral(x) - scene.strip_start_y()));
+            asides.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
         });
-        let found = stretch(supports.filter(|(_, aside)| aside.abs() > strip))?;
+        let found = stretch(spans.filter(|(_, aside)| aside.abs() > strip))?;
         Some(format!(
-            "pantograph {}: at rest the wire is beyond the straight strip of ±{strip} m at {} supports, up to {:.3} m \
+            "pantograph {}: at rest the wire is beyond the straight strip of ±{strip} m in {} spans, up to {:.3} m \
              from the middle of the head, at x = {:.1} m: it comes onto the horns there, of {head} m to their end",
             index + 1,
             found.count,
@@ -185,6 +191,19 @@ mod tests {
             "{}",
             lost[0]
         );
+    }
+
+    #[test]
+    fn a_wire_in_a_curve_that_comes_onto_a_horn_between_supports_is_foreseen() {
+        let text = include_str!("../../../scenes/en50318-250.toml");
+        // 60²/(8 · 1500) = 0.3 m from the chord in the middle of a span.
+        let keys = [HEAD, "catenary.curve_radius=1500", "catenary.stagger=[-0.1]"];
+        let said = foreseen(&system::load(text, "scene.toml", &keys.map(str::to_owned)).unwrap());
+        assert!(
+            said.len() == 1 && said[0].contains("in 10 spans, up to 0.200 m"),
+            "{said:?}"
+        );
+        assert!(said[0].contains("at x = 30.0 m"), "{said:?}");
     }
 
     #[test]

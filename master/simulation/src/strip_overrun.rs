@@ -123,7 +123,7 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
 /// where the strip is without the motion.
 fn aside(motion: &GivenMotion, line: &Catenary, x: f64, time: f64) -> f64 {
     let ([ahead, aside, up], [_, lateral, upward]) = motion.above(line.chord_height(x), time);
-    (line.chord_lateral(x + ahead) - aside) * lateral - up * upward
+    (line.lateral(x + ahead) - aside) * lateral - up * upward
 }
 
 fn remark(scene: &Scene, index: usize, half: f64, found: &Beside, what: &str) -> String {

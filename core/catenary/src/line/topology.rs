@@ -624,20 +624,15 @@ impl Topology {
         (span, (planned.x[node] - left) / (right - left))
     }
 
-    /// Lateral position of a node at rest, m: between the places at neighbouring supports straight on straight track,
-    /// and as `y″ = −κ` has it in a curve.
+    /// Lateral position of a node at rest, m.
     ///
     /// Wires of a planar line stay there; those of a line in space are let go from there.
     #[must_use]
     pub fn lateral(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
         let planned = &self.wires[node.wire];
         let section = catenary.section(planned.section);
-        let (span, xi) = self.within_span(catenary, node);
-        let [a, b] = [span, span + 1].map(|support| planned.lateral_at(section, support));
-        let [left, right] = [span, span + 1].map(|support| section.curvature_at(support));
-        let length = section.support_x(span + 1) - section.support_x(span);
-        let bend = 0.5 * left * xi * (1.0 - xi) + (right - left) / 6.0 * xi * (1.0 - xi * xi);
-        a + (b - a) * xi + length.powi(2) * bend
+        let at = self.within_span(catenary, node);
+        section.lateral_within(at, |support| planned.lateral_at(section, support))
     }
 
     /// Height that form finding prescribes at a node of a contact wire, m.
