@@ -62,7 +62,7 @@ impl Prepared {
                 mesh::described(scene),
                 dimension(scene),
                 motion(scene),
-                window.map_or_else(String::new, |window| format!("; {}", around(window)))
+                window.map_or_else(String::new, |window| format!("; {}", around(scene, window)))
             ),
         };
         let mut parts = vec![
@@ -348,22 +348,34 @@ fn motions(scene: &scene::Scene) -> String {
     )
 }
 
+/// Keys that a reduction which changes something comes from.
+fn wished(scene: &scene::Scene) -> &'static str {
+    match scene.run.accuracy {
+        Some(_) => "by model.reduce or chosen for run.accuracy_percent",
+        None => "asked for by model.reduce",
+    }
+}
+
 /// Which law of motion the line has, and what is known of its distance from the line as it is.
 fn motion(scene: &scene::Scene) -> String {
     if scene.model.has(Reduction::Modal) {
-        "in its own modes, asked for by model.reduce: linear about the static state and exact in time, with unilateral \
-         droppers and contact; modes beyond the frequencies that matter answer as if at rest; how far the linear line \
-         is from the nonlinear one only a run without it tells"
-            .to_owned()
+        format!(
+            "in its own modes, {}: linear about the static state and exact in time, with unilateral droppers and \
+             contact; modes beyond the frequencies that matter answer as if at rest; how far the linear line is from \
+             the nonlinear one only a run without it tells",
+            wished(scene)
+        )
     } else if scene.model.has(Reduction::Flat) {
         "flat, asked for by model.reduce: straight wires that move up and down, for comparison with two-dimensional \
          programs; without the sag of the messenger wire it is another line, whose measured distance is in the \
          documentation of reductions"
             .to_owned()
     } else if scene.model.has(Reduction::Linearised) {
-        "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and \
-         contact; its expected distance from the nonlinear line is the share `linearised` of the accuracy"
-            .to_owned()
+        format!(
+            "linearised about the static state, {}: constant stiffness, unilateral droppers and contact; its expected \
+             distance from the nonlinear line is the share `linearised` of the accuracy",
+            wished(scene)
+        )
     } else {
         "nonlinear: how far the line linearised about its static state would be from it is known from a run of both \
          only, so that \
@@ -373,12 +385,11 @@ fn motion(scene: &scene::Scene) -> String {
 }
 
 /// Effects that a window leaves out, and their cost.
-fn around(window: WindowSize) -> String {
+fn around(scene: &scene::Scene, window: WindowSize) -> String {
     let WindowSize { full, reduced, .. } = window;
     format!(
-        "window, asked for by model.reduce: {full} spans around the pantographs in full; up to {reduced} spans \
-         beyond linear, with \
-         their droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected \
+        "window, {}: {full} spans around the pantographs in full; up to {reduced} spans beyond linear, with their \
+         droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected \
          meshes, in percent of its \
          standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 linearised and 0.5 \
          nonlinear on that of the \
@@ -386,7 +397,8 @@ fn around(window: WindowSize) -> String {
          spans of EN 50318: \
          0.7 over 20 s, 1.4 in the last two): only a run without the window tells what it is elsewhere. Echoes of \
          ends further away \
-         than those spans are left out (linearised, middle of 80 spans, 20 s: 0.9 on EN 50318, 3.7 on the thesis' line)"
+         than those spans are left out (linearised, middle of 80 spans, 20 s: 0.9 on EN 50318, 3.7 on the thesis' line)",
+        wished(scene)
     )
 }
 
