@@ -389,15 +389,12 @@ fn around(scene: &scene::Scene, window: WindowSize) -> String {
     let WindowSize { full, reduced, .. } = window;
     format!(
         "window, {}: {full} spans around the pantographs in full; up to {reduced} spans beyond linear, with their \
-         droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected \
-         meshes, in percent of its \
-         standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 linearised and 0.5 \
-         nonlinear on that of the \
-         thesis (0.5 on the thesis' own coarse mesh), on 10 and 20 spans; nonlinear it grows with the time run (32 \
-         spans of EN 50318: \
-         0.7 over 20 s, 1.4 in the last two): only a run without the window tells what it is elsewhere. Echoes of \
-         ends further away \
-         than those spans are left out (linearised, middle of 80 spans, 20 s: 0.9 on EN 50318, 3.7 on the thesis' line)",
+         droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected meshes, in \
+         percent of its standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 \
+         linearised and 0.5 nonlinear on that of the thesis (0.5 on the thesis' own coarse mesh), on 10 and 20 \
+         spans; nonlinear it grows with the time run (32 spans of EN 50318: 0.7 over 20 s, 1.4 in the last two): \
+         only a run without the window tells what it is elsewhere. Echoes of ends further away than those spans are \
+         left out (linearised, middle of 80 spans, 20 s: 0.9 on EN 50318, 3.7 on the thesis' line)",
         wished(scene)
     )
 }
