@@ -131,8 +131,8 @@ fn twin_wires_hang_and_yield_as_in_an_independent_program() {
     );
 }
 
-/// Largest difference of the filtered force of a run as one system from that of the other program, of its `σ`.
-fn force_apart(case: &Case, linearised: bool) -> f64 {
+/// Difference of the filtered force of a run as one system from that of the other program, of its `σ`: rms and largest.
+fn force_apart(case: &Case, linearised: bool) -> [f64; 2] {
     let mut reductions = Vec::new();
     reductions.extend((case.dimension == Dimension::Planar).then_some("\"planar\""));
     reductions.extend(linearised.then_some("\"linearised\""));
@@ -173,22 +173,25 @@ fn force_apart(case: &Case, linearised: bool) -> f64 {
         100.0 * apart,
         100.0 * most
     );
-    most
+    [apart, most]
 }
 
 #[test]
 fn the_force_on_a_stitched_line_is_that_of_an_independent_program() {
-    assert!(force_apart(&STITCHED, true) < 0.02);
+    let [_, most] = force_apart(&STITCHED, true);
+    assert!(most < 0.02);
 }
 
 #[test]
 fn the_force_through_an_overlap_is_that_of_an_independent_program() {
-    assert!(force_apart(&OVERLAP, true) < 0.02);
+    let [_, most] = force_apart(&OVERLAP, true);
+    assert!(most < 0.02);
 }
 
 #[test]
 fn the_force_on_twin_wires_is_that_of_an_independent_program() {
-    assert!(force_apart(&TWIN, true) < 0.02);
+    let [_, most] = force_apart(&TWIN, true);
+    assert!(most < 0.02);
 }
 
 #[test]
@@ -196,6 +199,7 @@ fn the_force_on_twin_wires_is_that_of_an_independent_program() {
 fn nonlinear_lines_stay_close_to_an_independent_program_that_is_linear() {
     // Products of displacements are left out there; wires under constant tension wander along the track.
     for case in [STITCHED, OVERLAP, TWIN] {
-        assert!(force_apart(&case, false) < 0.2);
+        let [apart, most] = force_apart(&case, false);
+        assert!(apart < 0.06 && most < 0.2);
     }
 }

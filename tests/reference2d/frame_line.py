@@ -23,6 +23,8 @@ of the moved wire; about the static state this is t/c.
 import numpy as np
 from scipy import linalg, sparse
 
+from planar_line import stretch
+
 END_SPRING = 10.0  # N/m, as docs/theory/ancf.md gives it for ends under constant tension
 GAUSS = np.polynomial.legendre.leggauss(4)
 
@@ -59,15 +61,6 @@ def in_frame(c, s, along, across):
     return to_a.transpose(0, 2, 1) @ along @ to_a + to_t.transpose(0, 2, 1) @ across @ to_t
 
 
-def axial_stiffness(ea, tension):
-    """S of the module docstring under these tensions, N."""
-    stretch = 1 + tension / ea
-    for _ in range(20):  # Newton's method
-        excess = ea * stretch * (stretch**2 - 1) / 2 - tension
-        stretch = stretch - excess / (ea * (3 * stretch**2 - 1) / 2)
-    return ea * stretch * (3 * stretch**2 - 1) / 2
-
-
 class Chain:
     """Elements of one wire: nodes x, z; per element its coordinates (e, 6) and its geometry."""
 
@@ -82,7 +75,8 @@ class Chain:
         w, l = self.wire, self.l
         pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
         bend = self.n[:, None, None] * products(l, 1) + w.ei * products(l, 2)
-        along = axial_stiffness(w.ea, self.n) / l
+        lam = stretch(w.ea, self.n)
+        along = w.ea * lam * (3 * lam**2 - 1) / 2 / l
         stiffness = in_frame(self.c, self.s, along[:, None, None] * pair, bend)
         halves = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
         mass = in_frame(self.c, self.s, (w.mass * l)[:, None, None] * halves, w.mass * products(l, 0))

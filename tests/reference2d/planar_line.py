@@ -31,17 +31,22 @@ def gram(lengths, order):
     return total
 
 
+def stretch(ea, tension):
+    """lam under a tension, N: EA (lam^2 - 1)/2 lam = T."""
+    strain = tension / ea
+    lam = 1.0 + strain
+    for _ in range(50):  # Newton's method
+        lam = lam - (0.5 * (lam**3 - lam) - strain) / (1.5 * lam**2 - 0.5)
+    return lam
+
+
 class Wire:
     """Material of a wire; `stretch` is lam of the module docstring."""
 
     def __init__(self, table):
         self.m, self.tension = table["mass_per_length"], table["tension"]
         self.ea, self.ei = table["axial_stiffness"], table["bending_stiffness"]
-        strain = self.tension / self.ea
-        self.stretch = 1.0 + strain
-        for _ in range(50):  # Newton on (lam^2 - 1)/2 lam = T/EA
-            lam = self.stretch
-            self.stretch = lam - (0.5 * (lam**3 - lam) - strain) / (1.5 * lam**2 - 0.5)
+        self.stretch = stretch(self.ea, self.tension)
 
     def elements(self, lengths, cx, cz):
         """Energy, gradient (e, 2, 4) and Hessian (e, 2, 4, 2, 4) of the elements; cx, cz: (e, 4)."""

@@ -214,20 +214,18 @@ pub fn contradictions(scene: &Scene) -> Found {
 }
 
 fn layers_obstacle(catenary: &Catenary) -> Option<String> {
-    // A strip has no normal on a kink, so that a contact wire that is a string stays smooth.
-    let bends = |(kind, wire): &(WireKind, &Wire)| wire.bending_stiffness > 0.0 || *kind != WireKind::Contact;
-    let mut wires = catenary.wire_kinds().filter(bends).peekable();
-    let Some(&(kind, first)) = wires.peek() else {
+    let needs = |(kind, wire): (WireKind, &Wire)| wire.needs_layers(kind, catenary.shortest_element(kind));
+    if catenary.wire_kinds().any(needs) {
+        return None;
+    }
+    let Some((kind, wire)) = catenary.wire_kinds().find(|(_, wire)| wire.bending_stiffness > 0.0) else {
         return Some("the wire is a string, bending_stiffness = 0, so there is no bending layer to resolve".to_owned());
     };
-    let follows = |(kind, wire): (WireKind, &Wire)| wire.bending_length() > catenary.shortest_element(kind);
-    wires.all(follows).then(|| {
-        format!(
-            "the shortest element, {:.4} m, is below the bending length of the {}, √(bending_stiffness / tension) = \
-             {:.4} m: the elements follow the bend themselves",
-            catenary.shortest_element(kind),
-            kind.words(),
-            first.bending_length()
-        )
-    })
+    Some(format!(
+        "the shortest element, {:.4} m, is below the bending length of the {}, √(bending_stiffness / tension) = {:.4} \
+         m: the elements follow the bend themselves",
+        catenary.shortest_element(kind),
+        kind.words(),
+        wire.bending_length()
+    ))
 }

@@ -506,6 +506,15 @@ impl Wire {
         (self.bending_stiffness / self.tension).sqrt()
     }
 
+    /// True for a wire of a kind with elements of `shortest` m or more that needs bending layers: shorter ones follow
+    /// a bend themselves, none follows the kinks of a string. A strip has no normal on a kink, so that a contact wire
+    /// that is a string stays smooth.
+    #[must_use]
+    pub fn needs_layers(&self, kind: WireKind, shortest: f64) -> bool {
+        let bends = self.bending_stiffness > 0.0 || kind != WireKind::Contact;
+        bends && self.bending_length() <= shortest
+    }
+
     /// Speed of transverse waves `√(T/m)`, m/s, bending neglected.
     #[must_use]
     pub fn wave_speed(&self) -> f64 {

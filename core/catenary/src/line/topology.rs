@@ -91,8 +91,8 @@ pub struct PlannedWire {
     pub(crate) ends: EndsOfWire,
     /// True for beam elements.
     pub(crate) beam: bool,
-    /// Shortest element of the whole wire, m.
-    shortest: f64,
+    /// True for elements that need bending layers.
+    layered: bool,
 }
 
 /// Place of a dropper in the line.
@@ -184,7 +184,7 @@ impl PlannedWire {
             fastenings: vec![first.fastening],
             ends,
             beam: false,
-            shortest: f64::INFINITY,
+            layered: false,
         };
         for (start, end) in stations.iter().zip(&stations[1..]) {
             let elements = division.elements(end.length);
@@ -199,7 +199,8 @@ impl PlannedWire {
             wire.fastenings.push(end.fastening);
         }
         let elements = wire.x.windows(2).map(|ends| ends[1] - ends[0]);
-        wire.shortest = elements.fold(f64::INFINITY, f64::min);
+        let shortest = elements.fold(f64::INFINITY, f64::min);
+        wire.layered = parameters.needs_layers(name.kind(), shortest);
         wire
     }
 
@@ -225,20 +226,17 @@ impl PlannedWire {
     /// Directions of the bending layers at a node.
     pub(crate) fn layer_directions(&self, node: usize, options: &LineOptions) -> Vec<Vector3<f64>> {
         let inner = node > 0 && node < self.last();
-        let has_layers = match options.layers {
-            BendingLayers::Absent => false,
-            BendingLayers::AtAttachments => inner,
-            BendingLayers::AtAttachmentsAndEnds => inner || self.ends == EndsOfWire::Anchored,
-        };
-        // A strip has no normal on a kink: a contact wire that is a string stays smooth.
-        let bends = self.parameters.bending_stiffness > 0.0 || self.name != WireName::ContactWire;
-        // Shorter elements follow a bend themselves; no element follows the kinks of a string.
-        let bends = bends && self.parameters.bending_length() <= self.shortest;
+        let has_layers = self.layered
+            && match options.layers {
+                BendingLayers::Absent => false,
+                BendingLayers::AtAttachments => inner,
+                BendingLayers::AtAttachmentsAndEnds => inner || self.ends == EndsOfWire::Anchored,
+            };
         match self.fastenings[node] {
-            Fastening::Support if has_layers && bends && options.dimension == Dimension::Spatial => {
+            Fastening::Support if has_layers && options.dimension == Dimension::Spatial => {
                 vec![Vector3::z(), Vector3::y()]
             }
-            Fastening::Support | Fastening::Hanger if has_layers && bends => vec![Vector3::z()],
+            Fastening::Support | Fastening::Hanger if has_layers => vec![Vector3::z()],
             _ => Vec::new(),
         }
     }

@@ -34,10 +34,12 @@ impl<'a> Sideways<'a> {
         let support = span + xi.round() as usize;
         let turn = section.turn_at(support, |support| planned.lateral_at(section, support));
         let share = |at: NodeOfWire| {
-            let (span, xi) = self.topology.within_span(self.catenary, at);
-            match at.wire == node.wire {
-                true if span == support => 1.0 - xi,
-                true if span + 1 == support => xi,
+            if at.wire != node.wire {
+                return 0.0;
+            }
+            match self.topology.within_span(self.catenary, at) {
+                (span, xi) if span == support => 1.0 - xi,
+                (span, xi) if span + 1 == support => xi,
                 _ => 0.0,
             }
         };
