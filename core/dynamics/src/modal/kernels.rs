@@ -198,8 +198,9 @@ pub fn free(arch: Arch, factors: Factors<'_>, motion: [&[f32]; 3], known: &[f32]
 
 /// Point that moves along the line: modal forces `φ F` of a force `F` at it, in a step from `(φ₀, φ₀′)` to `(φ₁, φ₁′)`.
 ///
-/// With `F` linear in the step, the second derivative of the modal force is `s = c₁ F₁ − c₀ F₀` to the order of the
-/// step's square, `c = φ′ v/h + (φ₁ − φ₀)/h²`, `v` the speed along the line.
+/// With `F` a parabola through `F₋₁` one step before, the second derivative of the modal force is
+/// `s = c₁ F₁ − c₀ F₀ + φ₁ (F₁ − 2 F₀ + F₋₁)/h²` to the order of the step's square, `c = φ′ v/h + (φ₁ − φ₀)/h²`, `v` the
+/// speed along the line.
 pub struct Passing<'a> {
     /// `φ₀`, `φ₀′` along the line, `φ₁` and `φ₁′`.
     pub shapes: [&'a [f32]; 4],
@@ -208,7 +209,7 @@ pub struct Passing<'a> {
 }
 
 /// Motion `q` and `v` at the end of a step by a unit force there at a point that moves, and the bend `c₀` of the modal
-/// force that a unit force at the begin makes by the move, for [`add_bend`].
+/// force that a unit force at the begin makes by the move, for [`add_bend`], as `φ₁ (2 F₀ − F₋₁)/h²`.
 pub fn pass(arch: Arch, factors: Factors<'_>, point: Passing<'_>, by_force: [&mut [f32]; 2], bend: &mut [f32]) {
     struct Pass<'a>(Factors<'a>, Passing<'a>, [&'a mut [f32]; 2], &'a mut [f32]);
     impl WithSimd for Pass<'_> {
@@ -223,7 +224,7 @@ pub fn pass(arch: Arch, factors: Factors<'_>, point: Passing<'_>, by_force: [&mu
             let [along, change] = point.rates;
             for k in 0..n {
                 let difference = (now[k] - before[k]) * change;
-                let there = slope_now[k] * along + difference;
+                let there = slope_now[k] * along + (now[k] * change + difference);
                 q[k] = q1[k] * now[k] - qb[k] * there;
                 v[k] = v1[k] * now[k] - vb[k] * there;
                 bend[k] = slope_before[k] * along + difference;
@@ -275,24 +276,25 @@ pub fn add_answer(arch: Arch, force: f32, answer: [&[f32]; 3], ends: [&mut [f32]
     arch.dispatch(AddAnswer(force, answer, ends));
 }
 
-/// Adds what modal forces with the second derivative `−w bend` change in a step: `q += q_b w bend`, `v += v_b w bend`.
-pub fn add_bend(arch: Arch, factors: Factors<'_>, (w, bend): (f32, &[f32]), ends: [&mut [f32]; 2]) {
-    struct AddBend<'a>(Factors<'a>, f32, &'a [f32], [&'a mut [f32]; 2]);
+/// Adds what modal forces with the second derivative `−b`, `b = Σ w bend`, change in a step: `q += q_b b`, `v += v_b b`.
+pub fn add_bend(arch: Arch, factors: Factors<'_>, bends: [(f32, &[f32]); 2], ends: [&mut [f32]; 2]) {
+    struct AddBend<'a>(Factors<'a>, [(f32, &'a [f32]); 2], [&'a mut [f32]; 2]);
     impl WithSimd for AddBend<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let n = self.2.len();
-            let (qb, vb, w, bend) = (&self.0.qb[..n], &self.0.vb[..n], self.1, self.2);
-            let [q, v] = self.3.map(|values| &mut values[..n]);
+            let n = self.0.qb.len();
+            let (qb, vb) = (self.0.qb, &self.0.vb[..n]);
+            let [(w, bend), (of_other, other)] = self.1.map(|(w, bend)| (w, &bend[..n]));
+            let [q, v] = self.2.map(|values| &mut values[..n]);
             for k in 0..n {
-                let bend = bend[k] * w;
+                let bend = bend[k] * w + other[k] * of_other;
                 q[k] += qb[k] * bend;
                 v[k] += vb[k] * bend;
             }
         }
     }
-    arch.dispatch(AddBend(factors, w, bend, ends));
+    arch.dispatch(AddBend(factors, bends, ends));
 }
 
 #[cfg(test)]
@@ -321,7 +323,12 @@ mod tests {
             };
             let mut bend = zeros;
             pass(arch, factors, passing, [&mut by_q, &mut by_v], &mut bend);
-            add_bend(arch, factors, (1.0, &bend), [&mut q_free, &mut v_free]);
+            add_bend(
+                arch,
+                factors,
+                [(1.0, &bend), ((1.0 / (h * h)) as f32, &now)],
+                [&mut q_free, &mut v_free],
+            );
             r = zeros;
             finish(arch, factors, [&zeros, &q_free, &v_free], [&mut r, &mut q, &mut v]);
             add_answer(arch, 1.0, [&now, &by_q, &by_v], [&mut r, &mut q, &mut v]);
@@ -348,7 +355,7 @@ mod tests {
         add_bend(
             arch,
             factors.of(0..LANES),
-            (1.0, &[bend as f32; LANES]),
+            [(0.25, &[bend as f32; LANES]), (0.75, &[bend as f32; LANES])],
             [&mut q, &mut v],
         );
         // ½ τ (h − τ) bend from rest: q = particular solution and free motion.

@@ -10,12 +10,18 @@ use dynamics::{Blocks, Force, LowRank, Motion, State, StepHistory, Updates, Weig
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Droppers up to this far from a strip are watched in every step, m: a strip makes droppers slack within a span.
+/// Droppers up to this far from a strip are watched in every step, m.
 const REACH: f64 = 30.0;
+/// Droppers up to this far from a strip are watched every [`OFTEN`], m: wires that swing behind a strip make droppers
+/// slack within two spans.
+const SWING: f64 = 100.0;
+/// Time in which such a dropper is watched once, s: it goes slack in some ten milliseconds.
+const OFTEN: f64 = 8e-3;
 /// Number of steps in which each dropper further away is watched once.
 const IN_TURN: usize = 32;
-/// Tension above which a watched dropper stays taut within a step, N: a step changes tensions by a few newtons.
-const TAUT: f64 = 30.0;
+/// Tension above which a watched dropper stays taut within a step, N: a millisecond changes tensions by up to ten
+/// newtons.
+const TAUT: f64 = 40.0;
 /// Mass of a point under a strip, kg: next to none, so that accelerations at the start exist.
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
@@ -53,19 +59,20 @@ pub(super) struct Interface {
     points: Vec<Contact>,
     /// Rates of droppers and supports when last looked at, m/s; not a number where a step was left out.
     joint_rates: Vec<f64>,
-    /// Force of each strip at the end of the last step, N.
+    /// Force of each strip at the end of the last step, N, and at the end of the one before.
     forces: Vec<f64>,
+    forces_before: Vec<f64>,
+    /// Length of the last step, s.
+    last_h: f64,
     lacking: Lacking,
     /// Deflection of the points at the end of the last step, m, and their rates, m/s.
     reached: Vec<f64>,
     rates: Vec<f64>,
     /// Deflections of modes left out at the end of the last step, m.
     residual: Vec<f64>,
-    /// Tension of each dropper when last looked at, N; negative for what a slack one lacks.
-    tensions: Vec<f64>,
     steps: usize,
-    /// True for droppers and supports near a strip.
-    near: Vec<bool>,
+    /// Way from each dropper and support to the next strip, m.
+    ways: Vec<f64>,
     /// Modes up to [`DRAWN`].
     drawn: usize,
     /// Change of the forces with the deflections of the points, N/m, row by row; and what the factored matrix has.
@@ -103,13 +110,14 @@ impl Interface {
         Self {
             joint_rates: vec![f64::NAN; modes.borrowed.len()],
             forces: vec![0.0; contacts],
-            lacking: Lacking::new(modes.droppers()),
+            forces_before: vec![0.0; contacts],
+            last_h: 0.0,
+            lacking: Lacking::new(&modes.at_rest),
             reached: vec![0.0; contacts],
             rates: vec![0.0; contacts],
             residual: vec![0.0; contacts],
-            tensions: modes.at_rest.clone(),
             steps: 0,
-            near: vec![false; modes.borrowed.len()],
+            ways: vec![f64::INFINITY; modes.borrowed.len()],
             drawn: drawn.next_multiple_of(LANES).min(modes.count()),
             assembled: slope.clone(),
             coordinates: points.iter().map(|point| point.coordinate).collect(),
@@ -186,7 +194,7 @@ impl Interface {
 
     /// Chooses the droppers and supports near the strips, slack droppers, and in turn the others, to be looked at.
     fn choose_watched(&mut self) {
-        self.near.fill(false);
+        self.ways.fill(f64::INFINITY);
         let points = self
             .lane
             .as_deref()
@@ -194,21 +202,23 @@ impl Interface {
             .map_or(&[][..], |pass| &pass.points);
         for point in points.iter().filter(|point| point.on) {
             let joints = self.modes.dropper_x.iter().chain(&self.modes.support_x);
-            for (near, x) in self.near.iter_mut().zip(joints) {
-                *near |= (point.x - x).abs() < REACH;
+            for (way, x) in self.ways.iter_mut().zip(joints) {
+                *way = way.min((point.x - x).abs());
             }
         }
         let droppers = self.modes.droppers();
         let mut watched = std::mem::take(&mut self.lane_mut().watched);
         watched.clear();
-        for (joint, near) in self.near.iter().enumerate() {
+        let often = (OFTEN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;
+        for (joint, way) in self.ways.iter().enumerate() {
             let in_turn = || {
+                let every = if *way < SWING { often } else { IN_TURN };
                 self.lacks(joint) > 0.0
-                    || self.tensions[joint] < TAUT
-                    || (joint + self.steps).is_multiple_of(IN_TURN)
+                    || self.lacking.tension(joint) < TAUT
+                    || (joint + self.steps).is_multiple_of(every)
                     || self.step.h == 0.0
             };
-            if *near || joint < droppers && in_turn() {
+            if *way < REACH || joint < droppers && in_turn() {
                 watched.push(joint);
             } else {
                 self.joint_rates[joint] = f64::NAN;
@@ -225,15 +235,14 @@ impl Interface {
         for at in 0..self.lane().watched.len() {
             let (joint, motion) = (self.lane().watched[at], self.lane().motions[at]);
             let own = (joint < self.modes.droppers()).then_some(joint);
-            if let Some(dropper) = own {
-                let now = self.spring(dropper, motion, self.modes.law.damping);
-                let before = std::mem::replace(&mut self.tensions[dropper], now);
-                self.lacking.cross(dropper, [before, now]);
-            }
             let [_, rate] = motion;
             let before = std::mem::replace(&mut self.joint_rates[joint], rate);
+            if let Some(dropper) = own {
+                let tension = self.spring(dropper, motion, self.modes.law.damping);
+                self.lacking.look_at(dropper, tension, !before.is_nan());
+            }
             let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
-            if taut && self.step.h > 0.0 && self.near[joint] {
+            if taut && self.step.h > 0.0 && self.ways[joint] < REACH {
                 let ahead = if before.is_nan() { rate } else { 2.0 * rate - before };
                 repaying.push((joint, self.modes.borrowed[joint] * ahead));
             }
@@ -271,14 +280,16 @@ impl Interface {
         for (place, point) in lane.places.iter_mut().zip(&self.points) {
             *place = [point.s, point.place.get()];
         }
-        lane.forces[0].copy_from_slice(&self.forces);
-        lane.bends.clear();
-        lane.bends.extend(self.lacking.bends(modes, h));
-        let may_be_slack = |dropper: &usize| h == 0.0 || self.tensions[*dropper] < TAUT;
+        let ratio = if self.last_h > 0.0 { h / self.last_h } else { 0.0 };
+        let forces = self.forces.iter().zip(&self.forces_before);
+        for (known, (force, before)) in lane.known_forces.iter_mut().zip(forces) {
+            *known = [force - ratio * (force - before), *force];
+        }
+        let lacking = &self.lacking;
+        let may_be_slack = |dropper: &usize| h == 0.0 || lacking.tension(*dropper) < TAUT;
         let droppers = (0..modes.droppers()).filter(may_be_slack);
-        let lacking = self.lacking.beyond_rest();
-        lane.candidates
-            .choose(droppers.map(|dropper| (dropper, lacking[dropper])));
+        let begin = |dropper: usize| (dropper, lacking.beyond_rest()[dropper], lacking.course(dropper, h));
+        lane.candidates.choose(droppers.map(begin));
         self.move_on(Lane::begin);
         self.find_slope();
     }
@@ -410,10 +421,14 @@ impl StepHistory for Interface {
             return;
         }
         let h = self.step.h;
+        self.forces_before.copy_from_slice(&self.forces);
         self.forces.copy_from_slice(&self.step.forces);
+        self.last_h = h;
         let lane = self.lane.as_deref_mut().expect(HERE);
         self.lacking.end_step(h, lane.candidates.lacking());
-        lane.forces[1].copy_from_slice(&self.forces);
+        lane.bends.clear();
+        lane.bends.extend(lane.candidates.bends(h));
+        lane.forces.copy_from_slice(&self.forces);
         pull(&mut lane.lacking, &self.lacking);
         self.steps += usize::from(h > 0.0);
         self.choose_watched();
@@ -449,11 +464,11 @@ impl StepHistory for Interface {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        out.push(self.steps as f64);
+        out.extend([self.steps as f64, self.last_h]);
         out.extend(self.points.iter().map(|point| point.s));
         let all = [
             &self.forces,
-            &self.tensions,
+            &self.forces_before,
             &self.reached,
             &self.rates,
             &self.residual,
@@ -477,10 +492,11 @@ impl StepHistory for Interface {
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         let mut next = || next_of(values);
         self.steps = next() as usize;
+        self.last_h = next();
         self.points.iter_mut().for_each(|point| point.s = next());
         let all = [
             &mut self.forces,
-            &mut self.tensions,
+            &mut self.forces_before,
             &mut self.reached,
             &mut self.rates,
             &mut self.residual,

@@ -1,94 +1,77 @@
 //! Forces that slack droppers lack, within steps.
 //!
 //! With every dropper among the springs of the modes, a slack one has to be pushed open by what its spring would push
-//! back with, up to some hundred newtons. Two corrections make the straight force of a step what it stands for: the
-//! bend of a force that is smooth, continued from the steps before, and the impulse that the straight force of the last
-//! step had too much where the dropper went slack or taut within it.
-use super::modes::Modes;
+//! back with, up to some hundred newtons, and its tension `s` if it could push goes on smoothly where the dropper goes
+//! slack or taut: velocities and accelerations of the wires do not jump there. Within a step the force `max(0, −s)` is
+//! that of the parabola through `s` at the ends of the step and at the end of the step before, and modes feel the force
+//! with a constant second derivative that has the same impulse.
 use dynamics::unilateral::next_of;
 
-/// Forces that all droppers lack, at the ends of steps.
+/// Droppers from step to step.
 pub(super) struct Lacking {
-    /// Force that each dropper lacks beyond what it lacks at rest, N: at the end of the last step, and of the two
-    /// before where these were as long; else not a number.
-    last: [Vec<f64>; 3],
-    /// Impulse that the straight force of the last step had too much, N s.
-    excess: Vec<f64>,
+    /// Force that each dropper lacks at the end of the last step beyond what it lacks at rest, N.
+    beyond_rest: Vec<f64>,
+    /// Tension of each dropper at the ends of the last two steps, N, negative for what a slack one lacks: the first
+    /// when last looked at, the second not a number where the step before was left out.
+    tensions: [Vec<f64>; 2],
     /// Length of the last step, s.
     h: f64,
 }
 
 impl Lacking {
-    /// Forces at rest.
-    pub fn new(droppers: usize) -> Self {
-        let unknown = vec![f64::NAN; droppers];
+    /// Droppers with these tensions at rest, N.
+    pub fn new(at_rest: &[f64]) -> Self {
         Self {
-            last: [vec![0.0; droppers], unknown.clone(), unknown],
-            excess: vec![0.0; droppers],
+            beyond_rest: vec![0.0; at_rest.len()],
+            tensions: [at_rest.to_vec(), vec![f64::NAN; at_rest.len()]],
             h: 0.0,
         }
     }
 
     /// Force that each dropper lacks beyond what it lacks at rest, N.
     pub fn beyond_rest(&self) -> &[f64] {
-        &self.last[0]
+        &self.beyond_rest
     }
 
     /// Droppers for which that is not nothing.
     pub fn all(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let all = self.last[0].iter().copied().enumerate();
+        let all = self.beyond_rest.iter().copied().enumerate();
         all.filter(|(_, lacking)| *lacking != 0.0)
+    }
+
+    /// Tension of a dropper when last looked at, N, negative for what a slack one lacks.
+    pub fn tension(&self, dropper: usize) -> f64 {
+        self.tensions[0][dropper]
+    }
+
+    /// Tensions of a dropper one step before the coming one of `h` s and at its begin, N; the first is not a number
+    /// where that is not known.
+    pub fn course(&self, dropper: usize, h: f64) -> [f64; 2] {
+        let [now, before] = &self.tensions;
+        let as_long = h > 0.0 && (h - self.h).abs() <= 1e-9 * h;
+        [if as_long { before[dropper] } else { f64::NAN }, now[dropper]]
     }
 
     /// Takes what the droppers lack at the end of a step of `h` s.
     pub fn end_step(&mut self, h: f64, lacking: impl Iterator<Item = (usize, f64)>) {
-        let [now, before, earlier] = &mut self.last;
-        if as_long(h, self.h) {
-            earlier.copy_from_slice(before);
-        } else {
-            earlier.fill(f64::NAN);
-        }
-        before.copy_from_slice(now);
         self.h = h;
-        self.excess.fill(0.0);
         for (dropper, lacking) in lacking {
-            now[dropper] = lacking;
+            self.beyond_rest[dropper] = lacking;
         }
     }
 
-    /// Takes the tension of a dropper before and after the last step, N, negative for what a slack one lacks.
-    ///
-    /// A force `max(0, −s)` with `s` straight from `s₀` to `s₁` of another sign has the impulse of the straight force
-    /// but for `h |s₀ s₁| / (2 |s₁ − s₀|)`.
-    pub fn cross(&mut self, dropper: usize, [before, now]: [f64; 2]) {
-        if before * now < 0.0 {
-            self.excess[dropper] = 0.5 * self.h * (before * now / (now - before)).abs();
-        }
-    }
-
-    /// Droppers whose force in the coming step of `h` s is not straight, with minus the second derivative of the force
-    /// that pulls at the line, N/s².
-    pub fn bends<'a>(&'a self, modes: &'a Modes, h: f64) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let known = as_long(h, self.h);
-        let [now, before, earlier] = &self.last;
-        (0..if known { now.len() } else { 0 }).filter_map(move |dropper| {
-            let all = [now[dropper], before[dropper], earlier[dropper]];
-            if all == [0.0; 3] && self.excess[dropper] == 0.0 {
-                return None;
-            }
-            let at_rest = modes.lacks_at_rest(dropper);
-            let smooth = all.iter().all(|lacking| lacking + at_rest > 0.0);
-            let second = if smooth { all[0] - 2.0 * all[1] + all[2] } else { 0.0 };
-            // A bend of 1 N/s² is an impulse of h³/12.
-            let bend = (second + 12.0 * self.excess[dropper] / h) / (h * h);
-            (bend != 0.0).then_some((dropper, bend))
-        })
+    /// Takes the tension of a dropper at the end of a step, N, negative for what a slack one lacks; `again` for one that
+    /// was looked at in the step before too.
+    pub fn look_at(&mut self, dropper: usize, tension: f64, again: bool) {
+        let [now, before] = &mut self.tensions;
+        let last = std::mem::replace(&mut now[dropper], tension);
+        before[dropper] = if again { last } else { f64::NAN };
     }
 
     /// Writes all that the next step goes by.
     pub fn save(&self, out: &mut Vec<f64>) {
         out.push(self.h);
-        for values in self.last.iter().chain([&self.excess]) {
+        for values in self.tensions.iter().chain([&self.beyond_rest]) {
             out.extend_from_slice(values);
         }
     }
@@ -96,14 +79,50 @@ impl Lacking {
     /// See [`Lacking::save`].
     pub fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         self.h = next_of(values);
-        let all = self.last.iter_mut().chain([&mut self.excess]).flatten();
+        let all = self.tensions.iter_mut().chain([&mut self.beyond_rest]).flatten();
         all.for_each(|value| *value = next_of(values));
     }
 }
 
-/// True for two steps of the same length that is not zero.
-fn as_long(h: f64, last: f64) -> bool {
-    h > 0.0 && (h - last).abs() <= 1e-9 * h
+/// Bend of the force `max(0, −s)` within a step, its second derivative times the square of the step, N, and the change
+/// of that with `s` at the end, –.
+///
+/// `s` is the parabola through the tensions one step before, at the begin and at the end, N, or straight where the first
+/// is not a number. A bend of 1 N has an impulse of minus a twelfth of the step.
+pub(super) fn bend([before, begin, end]: [f64; 3]) -> [f64; 2] {
+    let half = if before.is_nan() {
+        0.0
+    } else {
+        0.5 * (end - 2.0 * begin + before)
+    };
+    // With θ = τ/h: s = begin + rise θ + half θ².
+    let rise = end - begin - half;
+    let course = |theta: f64| begin + (rise + half * theta) * theta;
+    let impulse = |theta: f64| (begin + (0.5 * rise + half / 3.0 * theta) * theta) * theta;
+    // Of ½ (θ + θ²), by which s changes with its end; of θ where s is straight.
+    let change = |theta: f64| {
+        let straight = 0.5 * theta * theta;
+        if before.is_nan() {
+            straight
+        } else {
+            0.5 * (straight + theta.powi(3) / 3.0)
+        }
+    };
+    let root = (rise * rise - 4.0 * half * begin).max(0.0).sqrt();
+    // Either root without the difference of numbers alike.
+    let sum = -0.5 * (rise + root.copysign(rise));
+    let [first, second] = [sum / half, begin / sum].map(|root| if root > 0.0 && root < 1.0 { root } else { 1.0 });
+    let ends = [0.0, first.min(second), first.max(second), 1.0];
+    let mut lacking = [0.0; 2];
+    for ends in ends.windows(2).filter(|ends| course(0.5 * (ends[0] + ends[1])) < 0.0) {
+        lacking[0] -= impulse(ends[1]) - impulse(ends[0]);
+        lacking[1] -= change(ends[1]) - change(ends[0]);
+    }
+    let straight = [
+        0.5 * ((-begin).max(0.0) + (-end).max(0.0)),
+        if end < 0.0 { -0.5 } else { 0.0 },
+    ];
+    std::array::from_fn(|k| 12.0 * (straight[k] - lacking[k]))
 }
 
 #[cfg(test)]
@@ -111,29 +130,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_force_that_ends_within_a_step_gives_back_what_the_straight_force_had_too_much() {
-        let h = 1e-3;
-        let mut lacking = Lacking::new(1);
-        lacking.end_step(h, [(0, 30.0)].into_iter());
-        lacking.end_step(h, [(0, 0.0)].into_iter());
-        // From −30 N to 10 N: slack for three quarters of the step, with a mean of 15 N there.
-        lacking.cross(0, [-30.0, 10.0]);
-        let straight = 0.5 * h * 30.0;
-        assert!((straight - lacking.excess[0] - 0.75 * h * 15.0).abs() < 1e-12);
-        lacking.end_step(h, std::iter::empty());
-        assert_eq!(lacking.excess, [0.0]);
+    fn a_dropper_that_stays_slack_has_the_second_difference_of_its_force() {
+        let [bend, change] = bend([-4.0, -9.0, -11.0]);
+        assert!((bend - (11.0 - 18.0 + 4.0)).abs() < 1e-12, "{bend}");
+        assert!((change + 1.0).abs() < 1e-12, "{change}");
+    }
+
+    #[test]
+    fn a_force_that_starts_within_a_step_has_its_impulse() {
+        // Straight from 10 N to −30 N: slack for three quarters of the step, with a mean of 15 N there.
+        for tensions in [[f64::NAN, 10.0, -30.0], [f64::NAN, -30.0, 10.0], [50.0, 10.0, -30.0]] {
+            let [bend, _] = bend(tensions);
+            assert!((0.5 * 30.0 - bend / 12.0 - 0.75 * 15.0).abs() < 1e-12, "{bend}");
+        }
+        // Taut at both ends, slack where (θ − ½)² < 1/16: −24 (1/16 − (θ − ½)²) has an impulse of ½ 24/12 there.
+        let [bend, _] = bend([24.0 * 35.0 / 16.0, 4.5, 4.5]);
+        assert!((bend + 12.0 * 24.0 / 6.0 / 8.0).abs() < 1e-12, "{bend}");
+    }
+
+    #[test]
+    fn the_change_of_a_bend_is_its_derivative() {
+        for [before, begin] in [
+            [30.0, 8.0],
+            [-20.0, -7.0],
+            [f64::NAN, 8.0],
+            [f64::NAN, -7.0],
+            [-5.0, 3.0],
+        ] {
+            for end in [-21.0, -3.0, 2.0, 13.0] {
+                let at = |end: f64| bend([before, begin, end]);
+                let difference = (at(end + 1e-6)[0] - at(end - 1e-6)[0]) / 2e-6;
+                assert!((at(end)[1] - difference).abs() < 1e-6, "{before} {begin} {end}");
+            }
+        }
     }
 
     #[test]
     fn a_saved_state_comes_back() {
-        let mut lacking = Lacking::new(2);
+        let mut lacking = Lacking::new(&[50.0, -2.0]);
         for step in 0..3 {
             lacking.end_step(1e-3, [(1, f64::from(step).powi(2))].into_iter());
+            lacking.look_at(1, -f64::from(step), step > 0);
         }
-        lacking.cross(0, [1.0, -3.0]);
         let (mut saved, mut again) = (Vec::new(), Vec::new());
         lacking.save(&mut saved);
-        let mut other = Lacking::new(2);
+        let mut other = Lacking::new(&[0.0; 2]);
         other.restore(&mut saved.iter());
         other.save(&mut again);
         let bits = |values: &[f64]| -> Vec<u64> { values.iter().map(|value| value.to_bits()).collect() };

@@ -74,12 +74,12 @@ pub(super) struct Lane {
     pub h: f64,
     /// Parameters of the strips on the wires at the ends of the step, m; not numbers beyond a wire.
     pub places: Vec<[f64; 2]>,
-    /// Force of each strip at the begin of the step and at its end, N.
-    pub forces: [Vec<f64>; 2],
+    /// Force of each strip one step before the begin and at the begin, N.
+    pub known_forces: Vec<[f64; 2]>,
+    /// At the end.
+    pub forces: Vec<f64>,
     /// Forces at the end of the step that take back dampers which the modes have too much.
     pub repaying: Joints,
-    /// Droppers with minus the second derivative of the force that they pull with, N/s².
-    pub bends: Joints,
     /// Droppers that may be slack at the end of the step.
     pub candidates: Candidates,
     /// Deflection of the points without forces at the end, m.
@@ -87,6 +87,8 @@ pub(super) struct Lane {
 
     /// Forces that slack droppers lack at the end of the step, with the sign of a force that pulls.
     pub lacking: Joints,
+    /// Second derivatives of the forces that droppers lack in the step, N/s².
+    pub bends: Joints,
     /// Droppers and supports whose motion at the end of the step is wanted.
     pub watched: Vec<usize>,
     /// Deflection, m, and rate, m/s, of each.
@@ -118,12 +120,13 @@ impl Lane {
             parts: Vec::with_capacity(2 * points + joints),
             h: 0.0,
             places: vec![[f64::NAN; 2]; points],
-            forces: [vec![0.0; points], vec![0.0; points]],
+            known_forces: vec![[0.0; 2]; points],
+            forces: vec![0.0; points],
             repaying: Vec::with_capacity(joints),
-            bends: Vec::with_capacity(modes.droppers()),
             candidates: Candidates::default(),
             free: vec![0.0; points],
             lacking: Vec::with_capacity(modes.droppers()),
+            bends: Vec::with_capacity(modes.droppers()),
             watched: Vec::with_capacity(joints),
             motions: Vec::with_capacity(joints),
             reached: vec![[0.0; 3]; points],
@@ -219,16 +222,14 @@ impl Lane {
         let motion = [&*self.q, &self.v, &self.r].map(|values| &values[range.clone()]);
         let (q, v) = (&mut self.q_free[range.clone()], &mut self.v_free[range.clone()]);
         kernels::free(arch, factors, motion, repaid, [q, v]);
-        if !self.bends.is_empty() {
-            let bend = &mut self.bend[range.clone()];
-            bend.fill(0.0);
-            add_joints((arch, modes, range.clone()), self.bends.iter(), bend);
-            kernels::add_bend(arch, factors, (1.0, bend), [q, v]);
-        }
-        let forces = self.forces[0].iter();
-        for (point, force) in pass.points.iter().zip(forces).filter(|(point, _)| point.on) {
-            let bend = (*force as f32, &point.bend[range.clone()]);
-            kernels::add_bend(arch, factors, bend, [q, v]);
+        for (point, [before, begin]) in pass.points.iter().zip(&self.known_forces) {
+            // `c₀ F₀` by the move, and of the second difference of the force the part that is known.
+            if let Some(per_step) = point.per_step() {
+                let known = (per_step * (2.0 * begin - before)) as f32;
+                let bends = [(*begin as f32, &*point.bend), (known, point.shape())];
+                let bends = bends.map(|(weight, row)| (weight, &row[range.clone()]));
+                kernels::add_bend(arch, factors, bends, [q, v]);
+            }
         }
         let ends = [&*q, &*v];
         let (points, droppers) = self.parts.split_at_mut(pass.points.len());
@@ -246,9 +247,16 @@ impl Lane {
         r.fill(0.0);
         add_joints((arch, modes, range.clone()), self.lacking.iter(), r);
         let known = [&*self.repaid, &self.q_free, &self.v_free].map(|values| &values[range.clone()]);
-        kernels::finish(arch, factors.of(range.clone()), known, [r, q, v]);
-        let forces = self.forces[1].iter();
-        for (point, force) in pass.points.iter().zip(forces).filter(|(point, _)| point.on) {
+        let factors = factors.of(range.clone());
+        kernels::finish(arch, factors, known, [r, q, v]);
+        if !self.bends.is_empty() {
+            let bend = &mut self.bend[range.clone()];
+            bend.fill(0.0);
+            add_joints((arch, modes, range.clone()), self.bends.iter(), bend);
+            let nothing = (0.0, &*bend);
+            kernels::add_bend(arch, factors, [(1.0, bend), nothing], [q, v]);
+        }
+        for (point, force) in pass.points.iter().zip(&self.forces).filter(|(point, _)| point.on) {
             let [by_q, by_v] = &point.by_force;
             let answer = [point.shape(), by_q, by_v].map(|values| &values[range.clone()]);
             kernels::add_answer(arch, *force as f32, answer, [r, q, v]);

@@ -35,8 +35,11 @@ pub(super) struct Point {
     shapes: [Shapes; 2],
     /// Amplitudes at the end of the step and their rates by a unit force there, with the move of the point.
     pub by_force: [Aligned; 2],
-    /// Amplitudes at the end of the step by a unit force there that does not move: those that it feels of others.
-    fixed: Aligned,
+    /// Amplitudes at the end of the step by a unit force there that does not move, those that it feels of others; and by
+    /// a unit bend of such a force.
+    fixed: [Aligned; 2],
+    /// Square of the step's rate, 1/s²; none where the strip was not under the wire at both ends, or in a step to rest.
+    per_step: Option<f64>,
     /// Bend of the modal force that a unit force at the begin of the step makes by the move of the point.
     pub bend: Aligned,
 }
@@ -56,7 +59,8 @@ impl Point {
             moved: f64::NAN,
             shapes: [shapes(), shapes()],
             by_force: [room(), room()],
-            fixed: room(),
+            fixed: [room(), room()],
+            per_step: None,
             bend: room(),
         }
     }
@@ -64,6 +68,11 @@ impl Point {
     /// `φₖ` of all modes at the end of the step.
     pub fn shape(&self) -> &[f32] {
         &self.shapes[1].at
+    }
+
+    /// One over the square of a step in which the strip was under the wire all the time, 1/s².
+    pub fn per_step(&self) -> Option<f64> {
+        self.per_step.filter(|_| self.on)
     }
 
     /// `∂φₖ/∂s` there.
@@ -109,12 +118,14 @@ impl Point {
         let h = factors.h;
         let [before, now] = &self.shapes;
         // A point that comes to the wire in the step, or a step to rest, is without a move.
-        let (before, along, per_step) = if self.moved.is_finite() && h > 0.0 {
-            (before, self.moved / (h * h), 1.0 / (h * h))
-        } else {
-            (now, 0.0, 0.0)
+        self.per_step = (self.moved.is_finite() && h > 0.0).then(|| 1.0 / (h * h));
+        let (before, along, per_step) = match self.per_step {
+            Some(per_step) => (before, self.moved * per_step, per_step),
+            None => (now, 0.0, 0.0),
         };
-        kernels::products(arch, &now.at, &factors.q1, &mut self.fixed);
+        for (fixed, factor) in self.fixed.iter_mut().zip([&factors.q1, &factors.qb]) {
+            kernels::products(arch, &now.at, factor, fixed);
+        }
         let passing = Passing {
             shapes: [&before.at, &before.slope, &now.at, &now.slope],
             rates: [along, per_step].map(|rate| rate as f32),
@@ -124,15 +135,33 @@ impl Point {
     }
 }
 
+/// Answers between a point and a dropper at the end of a step.
+#[derive(Clone, Copy, Default)]
+pub(super) struct ByDropper {
+    /// Deflection of the point by a unit force of the dropper, m/N.
+    pub deflection: f64,
+    /// Deflection of the point by a unit bend of that force, m s²/N.
+    pub by_bend: f64,
+    /// Tension of the dropper by a unit force at the point, –.
+    pub tension: f64,
+}
+
+impl ByDropper {
+    const UNKNOWN: Self = Self {
+        deflection: f64::NAN,
+        by_bend: f64::NAN,
+        tension: f64::NAN,
+    };
+}
+
 /// The strips in one step.
 pub(super) struct Pass {
     pub points: Vec<Point>,
     /// Compliance of the points at the end of the step, m/N, row by row, and its factors.
     pub compliance: Vec<f64>,
     pub factored: Lu,
-    /// Deflection of each point, m/N, and tension of the dropper by a unit force there, –: dropper after dropper; not a
-    /// number where not yet needed.
-    by_droppers: Vec<[f64; 2]>,
+    /// Answers between points and droppers, dropper after dropper; not numbers where not yet needed.
+    by_droppers: Vec<ByDropper>,
 }
 
 impl Pass {
@@ -142,7 +171,7 @@ impl Pass {
             points: (0..points).map(|_| Point::new(modes.count())).collect(),
             compliance: vec![0.0; points * points],
             factored: Lu::default(),
-            by_droppers: vec![[f64::NAN; 2]; points * modes.droppers()],
+            by_droppers: vec![ByDropper::UNKNOWN; points * modes.droppers()],
         }
     }
 
@@ -172,7 +201,7 @@ impl Pass {
         self.factored
             .factor()
             .expect("strips apart have independent deflections");
-        self.by_droppers.fill([f64::NAN; 2]);
+        self.by_droppers.fill(ByDropper::UNKNOWN);
     }
 
     /// Finds the answers between the points and a dropper where they are not yet known.
@@ -181,22 +210,26 @@ impl Pass {
         let answers = &mut self.by_droppers[dropper * count..][..count];
         let row = modes.joint(dropper);
         for (answer, point) in answers.iter_mut().zip(&self.points) {
-            if !answer[0].is_nan() {
+            if !answer.deflection.is_nan() {
                 continue;
             }
-            *answer = [0.0; 2];
+            *answer = ByDropper::default();
             if point.on {
-                let [q, v] = &point.by_force;
-                let [deflection, elongation, rate] = kernels::dots(arch, row, [&point.fixed, q, v]);
+                let ([fixed, bent], [q, v]) = (&point.fixed, &point.by_force);
+                let [deflection, by_bend, elongation, rate] = kernels::dots(arch, row, [fixed, bent, q, v]);
                 let residual = modes.residual_by_dropper(&point.columns, dropper);
                 let (elongation, law) = (elongation + residual, &modes.law);
-                *answer = [deflection + residual, law.stiffness * elongation + law.damping * rate];
+                *answer = ByDropper {
+                    deflection: deflection + residual,
+                    by_bend,
+                    tension: law.stiffness * elongation + law.damping * rate,
+                };
             }
         }
     }
 
     /// Answers between the points and a dropper, see [`Pass::need`].
-    pub fn by_dropper(&self, dropper: usize) -> &[[f64; 2]] {
+    pub fn by_dropper(&self, dropper: usize) -> &[ByDropper] {
         &self.by_droppers[dropper * self.points.len()..][..self.points.len()]
     }
 }

@@ -1,4 +1,5 @@
 //! Droppers that may be slack at the end of a step.
+use super::lacking::bend;
 use super::modes::Modes;
 use super::pass::Pass;
 use dynamics::modal::{Aligned, StepFactors, kernels};
@@ -14,18 +15,19 @@ const SWEEPS: usize = 500;
 #[derive(Clone)]
 pub(crate) struct Answers {
     pub(super) step: StepFactors,
-    /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
-    between_droppers: Vec<f64>,
-    /// Amplitudes and their rates by a unit force of one dropper.
-    products: [Aligned; 2],
+    /// Answer of the tension of each dropper to the force of each other one, –, and to its bend, s²; not numbers where
+    /// not yet needed.
+    between_droppers: Vec<[f64; 2]>,
+    /// Amplitudes and their rates by a unit force of one dropper and by a unit bend.
+    products: [Aligned; 4],
 }
 
 impl Answers {
     pub fn new(modes: &Modes, h: f64) -> Self {
         Self {
             step: StepFactors::new(&modes.stiffness, &modes.damping, h),
-            between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
-            products: [Aligned::zeros(modes.count()), Aligned::zeros(modes.count())],
+            between_droppers: vec![[f64::NAN; 2]; modes.droppers().pow(2)],
+            products: std::array::from_fn(|_| Aligned::zeros(modes.count())),
         }
     }
 
@@ -38,20 +40,23 @@ impl Answers {
         answers
     }
 
-    /// Answer of the tension of dropper `a` to the force of dropper `b`, –; not a number where not yet needed.
-    fn between(&self, modes: &Modes, [a, b]: [usize; 2]) -> f64 {
+    /// Answer of the tension of dropper `a` to the force of dropper `b`, –, and to its bend, s²; not numbers where not
+    /// yet needed.
+    fn between(&self, modes: &Modes, [a, b]: [usize; 2]) -> [f64; 2] {
         self.between_droppers[a * modes.droppers() + b]
     }
 
     /// Finds the answer of dropper `a` to the force of dropper `b`.
     fn need(&mut self, (arch, modes): (Arch, &Modes), [a, b]: [usize; 2]) {
-        for (product, factor) in self.products.iter_mut().zip([&self.step.q1, &self.step.v1]) {
+        let step = &self.step;
+        for (product, factor) in self.products.iter_mut().zip([&step.q1, &step.v1, &step.qb, &step.vb]) {
             kernels::products(arch, modes.joint(a), factor, product);
         }
-        let [elongation, rate] =
-            kernels::dots(arch, modes.joint(b), self.products.each_ref().map(|product| &**product));
+        let products = self.products.each_ref().map(|product| &**product);
+        let [elongation, rate, by_bend, rate_by_bend] = kernels::dots(arch, modes.joint(b), products);
         let elongation = elongation + modes.residual_between(a, b);
-        let answer = modes.law.stiffness * elongation + modes.law.damping * rate;
+        let tension = |elongation: f64, rate: f64| modes.law.stiffness * elongation + modes.law.damping * rate;
+        let answer = [tension(elongation, rate), tension(by_bend, rate_by_bend)];
         // Both ways the same, as the modes are.
         self.between_droppers[a * modes.droppers() + b] = answer;
         self.between_droppers[b * modes.droppers() + a] = answer;
@@ -74,6 +79,15 @@ pub(super) struct Candidates {
     between: Vec<f64>,
     /// Lacking force of each beyond that at rest at the last solution, N.
     lacking: Vec<f64>,
+    /// Tensions of each one step before the begin of the step and at the begin, N, see [`bend`].
+    courses: Vec<[f64; 2]>,
+    /// Bend of the lacking force of each at the last solution, N; and the answers to it as to `lacking`.
+    bends: Vec<f64>,
+    deflections_by_bend: Vec<f64>,
+    held_by_bend: Vec<f64>,
+    between_by_bend: Vec<f64>,
+    /// True in steps that take time.
+    bent: bool,
 }
 
 impl Candidates {
@@ -92,13 +106,24 @@ impl Candidates {
         self.droppers.iter().copied().zip(self.lacking.iter().copied())
     }
 
-    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N.
-    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64)>) {
+    /// The candidates and the second derivatives of their lacking forces in a step of `h` s, N/s².
+    pub fn bends(&self, h: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let all = self.droppers.iter().copied().zip(&self.bends);
+        all.filter(|(_, bend)| **bend != 0.0)
+            .map(move |(dropper, bend)| (dropper, bend / (h * h)))
+    }
+
+    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N, and their course.
+    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64, [f64; 2])>) {
         self.droppers.clear();
         self.lacking.clear();
-        for (dropper, lacking) in droppers {
+        self.courses.clear();
+        self.bends.clear();
+        for (dropper, lacking, course) in droppers {
             self.droppers.push(dropper);
             self.lacking.push(lacking);
+            self.courses.push(course);
+            self.bends.push(0.0);
         }
     }
 
@@ -111,42 +136,55 @@ impl Candidates {
         motions: impl Iterator<Item = [f64; 2]>,
     ) {
         let law = &modes.law;
+        let h = answers.step.h;
+        self.bent = h > 0.0;
+        let per_step = if self.bent { 1.0 / (h * h) } else { 0.0 };
         let values = [
             &mut self.free,
             &mut self.deflections,
             &mut self.tensions,
             &mut self.held,
             &mut self.between,
+            &mut self.deflections_by_bend,
+            &mut self.held_by_bend,
+            &mut self.between_by_bend,
         ];
         values.into_iter().for_each(Vec::clear);
         for (&dropper, [elongation, rate]) in self.droppers.iter().zip(motions) {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
             self.free.push(spring + law.damping * rate);
             pass.need((arch, modes), dropper);
-            for [deflection, tension] in pass.by_dropper(dropper) {
-                self.deflections.push(*deflection);
-                self.tensions.push(*tension);
+            for answer in pass.by_dropper(dropper) {
+                self.deflections.push(answer.deflection);
+                self.deflections_by_bend.push(answer.by_bend * per_step);
+                self.tensions.push(answer.tension);
             }
             let first = self.held.len();
             self.held.extend_from_slice(&self.deflections[first..]);
             pass.factored.solve(&mut self.held[first..]);
+            self.held_by_bend.extend_from_slice(&self.deflections_by_bend[first..]);
+            pass.factored.solve(&mut self.held_by_bend[first..]);
         }
         for &a in &self.droppers {
             for &b in &self.droppers {
                 let mut answer = answers.between(modes, [a, b]);
-                if answer.is_nan() {
+                if answer[0].is_nan() {
                     Arc::make_mut(answers).need((arch, modes), [a, b]);
                     answer = answers.between(modes, [a, b]);
                 }
-                self.between.push(answer);
+                self.between.push(answer[0]);
+                self.between_by_bend.push(answer[1] * per_step);
             }
         }
     }
 
     /// Deflection of a point of `points` by all lacking forces, m, taken away from that without them.
     pub fn deflection(&self, point: usize, points: usize) -> f64 {
-        let by_each = self.deflections.chunks_exact(points).zip(&self.lacking);
-        by_each.map(|(deflections, lacking)| deflections[point] * lacking).sum()
+        let of = |deflections: &[f64], values: &[f64]| -> f64 {
+            let by_each = deflections.iter().skip(point).step_by(points).zip(values);
+            by_each.map(|(deflection, value)| deflection * value).sum()
+        };
+        of(&self.deflections, &self.lacking) - of(&self.deflections_by_bend, &self.bends)
     }
 
     /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces`
@@ -157,25 +195,45 @@ impl Candidates {
             let mut largest = 0.0_f64;
             for (c, &dropper) in self.droppers.iter().enumerate() {
                 let own = c * contacts..(c + 1) * contacts;
-                let (tensions, held) = (&self.tensions[own.clone()], &self.held[own]);
-                let along = |values: &[f64]| -> f64 { tensions.iter().zip(values).map(|(a, b)| a * b).sum() };
-                let between = &self.between[c * count..][..count];
-                let by_droppers: f64 = between.iter().zip(&self.lacking).map(|(a, b)| a * b).sum();
+                let (tensions, held) = (&self.tensions[own.clone()], &self.held[own.clone()]);
+                let held_by_bend = &self.held_by_bend[own];
+                let along = |values: &[f64]| dot(tensions, values);
+                let of_others = c * count..(c + 1) * count;
+                let between = &self.between[of_others.clone()];
+                let between_by_bend = &self.between_by_bend[of_others];
+                let by_droppers = dot(between, &self.lacking) - dot(between_by_bend, &self.bends);
                 let spring = self.free[c] + along(forces) - by_droppers;
-                let slope = 1.0 - between[c] + along(held);
                 let of_rest = modes.lacks_at_rest(dropper);
                 let lacks = self.lacking[c] + of_rest;
+                let [before, begin] = self.courses[c];
+                let bend_at = |end: f64| {
+                    if self.bent {
+                        bend([before, begin, end])
+                    } else {
+                        [0.0; 2]
+                    }
+                };
+                let by_bend = between_by_bend[c] - along(held_by_bend);
+                let [_, per_end] = bend_at(if lacks > 0.0 { -lacks } else { spring });
+                let slope = 1.0 - between[c] + along(held) - by_bend * per_end;
                 let next = (lacks - (spring + lacks) / slope).max(0.0);
                 let change = next - lacks;
-                for (force, held) in forces.iter_mut().zip(held) {
-                    *force += held * change;
+                let [bend, _] = bend_at(if next > 0.0 { -next } else { spring });
+                let bent = bend - self.bends[c];
+                for (force, (held, by_bend)) in forces.iter_mut().zip(held.iter().zip(held_by_bend)) {
+                    *force += held * change - by_bend * bent;
                 }
                 self.lacking[c] = next - of_rest;
-                largest = largest.max(change.abs());
+                self.bends[c] = bend;
+                largest = largest.max(change.abs()).max(bent.abs());
             }
             if largest <= SETTLED {
                 break;
             }
         }
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
