@@ -41,7 +41,7 @@ const STEP: f64 = 5000.0;
 /// Factor `d₁` of the time step with the mass correction, %·(1/(s Hz))².
 const CORRECTED_STEP: f64 = 500.0;
 /// Factor `d` of a line in its modes, %·(1/(s Hz))².
-const MODAL_STEP: f64 = 500.0;
+const MODAL_STEP: f64 = 300.0;
 /// Factor `d₁` under a sliding joint, whose force is not corrected as the joint moves, %·(1/(s Hz))².
 const CORRECTED_STEP_OF_JOINT: f64 = 750.0;
 /// Factor `g` of elements by their length with both corrections, %/m².

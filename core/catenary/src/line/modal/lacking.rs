@@ -95,6 +95,13 @@ pub(super) fn bend([before, begin, end]: [f64; 3]) -> [f64; 2] {
     } else {
         0.5 * (end - 2.0 * begin + before)
     };
+    // A parabola is off its chord by a quarter of `half` at most: most droppers stay taut or slack all the time.
+    if begin.min(end) >= 0.25 * half.max(0.0) {
+        return [0.0; 2];
+    }
+    if begin.max(end) <= 0.25 * half.min(0.0) {
+        return [-2.0 * half, if before.is_nan() { 0.0 } else { -1.0 }];
+    }
     // With θ = τ/h: s = begin + rise θ + half θ².
     let rise = end - begin - half;
     let course = |theta: f64| begin + (rise + half * theta) * theta;

@@ -8,10 +8,6 @@ use std::sync::Arc;
 
 /// Difference of forces between sweeps over slack droppers at which these end, N.
 const SETTLED: f64 = 1e-9;
-/// Largest answer of the tension of a dropper to the bend of its force, by that to the force at the end, with which the
-/// force is a parabola: from a fifth on, forces of stiff droppers in long steps swing up from step to step (*measured* on
-/// the line of EN 50318:2002 with droppers of 1e6 and 1e7 N/m in steps of 3 ms).
-const BENT: f64 = 0.15;
 /// Most corrections of one dropper in a sweep.
 const NEWTON: usize = 20;
 /// Least part of the own answer of a dropper by which corrections go.
@@ -191,15 +187,12 @@ impl Candidates {
                 self.between_by_bend.push(answer[1] * per_step);
             }
         }
-        for (c, course) in self.courses.iter_mut().enumerate() {
+        for c in 0..self.droppers.len() {
             let (count, points) = (self.droppers.len(), pass.points.len());
             let (own, along) = (c * (count + 1), c * points..(c + 1) * points);
             let tensions = &self.tensions[along.clone()];
             let by_end = 1.0 - self.between[own] + dot(tensions, &self.held[along.clone()]);
             let by_bend = self.between_by_bend[own] - dot(tensions, &self.held_by_bend[along]);
-            if by_bend > BENT * by_end {
-                course[0] = f64::NAN;
-            }
             self.by_own.push([by_end, by_bend]);
         }
     }
