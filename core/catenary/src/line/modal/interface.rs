@@ -19,9 +19,10 @@ const SWING: f64 = 100.0;
 const OFTEN: f64 = 8e-3;
 /// Number of steps in which each dropper further away is watched once.
 const IN_TURN: usize = 32;
-/// Tension above which a watched dropper stays taut within a step, N: a millisecond changes tensions by up to ten
-/// newtons.
-const TAUT: f64 = 40.0;
+/// Tension below which any dropper is watched in every step, N.
+const LOOSE: f64 = 40.0;
+/// Tension above which a dropper that was watched stays taut within a step, N: a millisecond takes up to ten newtons.
+const TAUT: f64 = 30.0;
 /// Mass of a point under a strip, kg: next to none, so that accelerations at the start exist.
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
@@ -57,7 +58,7 @@ pub(super) struct Interface {
     /// The amplitudes; away only while they are moved on.
     lane: Option<Box<Lane>>,
     points: Vec<Contact>,
-    /// Rates of droppers and supports when last looked at, m/s; not a number where a step was left out.
+    /// Rates of droppers and supports near the strips at the end of the last step, m/s; else not numbers.
     joint_rates: Vec<f64>,
     /// Force of each strip at the end of the last step, N, and at the end of the one before.
     forces: Vec<f64>,
@@ -209,19 +210,23 @@ impl Interface {
         let droppers = self.modes.droppers();
         let mut watched = std::mem::take(&mut self.lane_mut().watched);
         watched.clear();
+        watched.extend((0..self.ways.len()).filter(|joint| self.ways[*joint] < REACH));
+        self.lane_mut().near = watched.len();
         let often = (OFTEN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;
-        for (joint, way) in self.ways.iter().enumerate() {
-            let in_turn = || {
-                let every = if *way < SWING { often } else { IN_TURN };
-                self.lacks(joint) > 0.0
-                    || self.lacking.tension(joint) < TAUT
-                    || (joint + self.steps).is_multiple_of(every)
-                    || self.step.h == 0.0
-            };
-            if *way < REACH || joint < droppers && in_turn() {
+        for (joint, way) in self.ways.iter().enumerate().filter(|(_, way)| **way >= REACH) {
+            self.joint_rates[joint] = f64::NAN;
+            if joint >= droppers {
+                continue;
+            }
+            let every = if *way < SWING { often } else { IN_TURN };
+            let in_turn = self.lacks(joint) > 0.0
+                || self.lacking.tension(joint) < LOOSE
+                || (joint + self.steps).is_multiple_of(every)
+                || self.step.h == 0.0;
+            if in_turn {
                 watched.push(joint);
             } else {
-                self.joint_rates[joint] = f64::NAN;
+                self.lacking.leave_out(joint);
             }
         }
         self.lane_mut().watched = watched;
@@ -235,14 +240,17 @@ impl Interface {
         for at in 0..self.lane().watched.len() {
             let (joint, motion) = (self.lane().watched[at], self.lane().motions[at]);
             let own = (joint < self.modes.droppers()).then_some(joint);
-            let [_, rate] = motion;
-            let before = std::mem::replace(&mut self.joint_rates[joint], rate);
             if let Some(dropper) = own {
                 let tension = self.spring(dropper, motion, self.modes.law.damping);
-                self.lacking.look_at(dropper, tension, !before.is_nan());
+                self.lacking.look_at(dropper, tension);
             }
+            if at >= self.lane().near {
+                continue;
+            }
+            let [_, rate] = motion;
+            let before = std::mem::replace(&mut self.joint_rates[joint], rate);
             let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
-            if taut && self.step.h > 0.0 && self.ways[joint] < REACH {
+            if taut && self.step.h > 0.0 {
                 let ahead = if before.is_nan() { rate } else { 2.0 * rate - before };
                 repaying.push((joint, self.modes.borrowed[joint] * ahead));
             }

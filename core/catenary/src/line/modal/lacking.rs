@@ -12,7 +12,8 @@ pub(super) struct Lacking {
     /// Force that each dropper lacks at the end of the last step beyond what it lacks at rest, N.
     beyond_rest: Vec<f64>,
     /// Tension of each dropper at the ends of the last two steps, N, negative for what a slack one lacks: the first
-    /// when last looked at, the second not a number where the step before was left out.
+    /// when last looked at, the second not a number where that is not known, and infinite where the last step was left
+    /// out.
     tensions: [Vec<f64>; 2],
     /// Length of the last step, s.
     h: f64,
@@ -23,7 +24,7 @@ impl Lacking {
     pub fn new(at_rest: &[f64]) -> Self {
         Self {
             beyond_rest: vec![0.0; at_rest.len()],
-            tensions: [at_rest.to_vec(), vec![f64::NAN; at_rest.len()]],
+            tensions: [at_rest.to_vec(), vec![f64::INFINITY; at_rest.len()]],
             h: 0.0,
         }
     }
@@ -49,7 +50,8 @@ impl Lacking {
     pub fn course(&self, dropper: usize, h: f64) -> [f64; 2] {
         let [now, before] = &self.tensions;
         let as_long = h > 0.0 && (h - self.h).abs() <= 1e-9 * h;
-        [if as_long { before[dropper] } else { f64::NAN }, now[dropper]]
+        let known = as_long && before[dropper].is_finite();
+        [if known { before[dropper] } else { f64::NAN }, now[dropper]]
     }
 
     /// Takes what the droppers lack at the end of a step of `h` s.
@@ -60,12 +62,20 @@ impl Lacking {
         }
     }
 
-    /// Takes the tension of a dropper at the end of a step, N, negative for what a slack one lacks; `again` for one that
-    /// was looked at in the step before too.
-    pub fn look_at(&mut self, dropper: usize, tension: f64, again: bool) {
+    /// Takes the tension of a dropper at the end of a step, N, negative for what a slack one lacks.
+    pub fn look_at(&mut self, dropper: usize, tension: f64) {
         let [now, before] = &mut self.tensions;
         let last = std::mem::replace(&mut now[dropper], tension);
-        before[dropper] = if again { last } else { f64::NAN };
+        before[dropper] = if before[dropper] == f64::INFINITY {
+            f64::NAN
+        } else {
+            last
+        };
+    }
+
+    /// Leaves a dropper out that is taut at the end of a step.
+    pub fn leave_out(&mut self, dropper: usize) {
+        self.tensions[1][dropper] = f64::INFINITY;
     }
 
     /// Writes all that the next step goes by.
@@ -89,6 +99,7 @@ impl Lacking {
 ///
 /// `s` is the parabola through the tensions one step before, at the begin and at the end, N, or straight where the first
 /// is not a number. A bend of 1 N has an impulse of minus a twelfth of the step.
+#[inline]
 pub(super) fn bend([before, begin, end]: [f64; 3]) -> [f64; 2] {
     let half = if before.is_nan() {
         0.0
@@ -102,6 +113,11 @@ pub(super) fn bend([before, begin, end]: [f64; 3]) -> [f64; 2] {
     if begin.max(end) <= 0.25 * half.min(0.0) {
         return [-2.0 * half, if before.is_nan() { 0.0 } else { -1.0 }];
     }
+    crossing([before, begin, end], half)
+}
+
+/// See [`bend`], of a tension that changes its sign; `half` of its second difference.
+fn crossing([before, begin, end]: [f64; 3], half: f64) -> [f64; 2] {
     // With θ = τ/h: s = begin + rise θ + half θ².
     let rise = end - begin - half;
     let course = |theta: f64| begin + (rise + half * theta) * theta;
@@ -177,7 +193,8 @@ mod tests {
         let mut lacking = Lacking::new(&[50.0, -2.0]);
         for step in 0..3 {
             lacking.end_step(1e-3, [(1, f64::from(step).powi(2))].into_iter());
-            lacking.look_at(1, -f64::from(step), step > 0);
+            lacking.look_at(1, -f64::from(step));
+            lacking.leave_out(0);
         }
         let (mut saved, mut again) = (Vec::new(), Vec::new());
         lacking.save(&mut saved);

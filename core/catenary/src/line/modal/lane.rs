@@ -89,8 +89,9 @@ pub(super) struct Lane {
     pub lacking: Joints,
     /// Second derivatives of the forces that droppers lack in the step, N/s².
     pub bends: Joints,
-    /// Droppers and supports whose motion at the end of the step is wanted.
+    /// Droppers and supports whose deflection at the end of the step is wanted, and how many of the first with rates.
     pub watched: Vec<usize>,
+    pub near: usize,
     /// Deflection, m, and rate, m/s, of each.
     pub motions: Vec<[f64; 2]>,
     /// Deflection of each point by the modes, m, its rate, m/s, and slope along the wire, –.
@@ -128,6 +129,7 @@ impl Lane {
             lacking: Vec::with_capacity(modes.droppers()),
             bends: Vec::with_capacity(modes.droppers()),
             watched: Vec::with_capacity(joints),
+            near: 0,
             motions: Vec::with_capacity(joints),
             reached: vec![[0.0; 3]; points],
             wires: Arc::new(wires),
@@ -237,7 +239,9 @@ impl Lane {
             let shape = &point.shape()[range.clone()];
             kernels::add_dots(arch, [shape], [ends[0]], [std::array::from_mut(parts)]);
         }
-        add_motions((arch, modes, range), self.candidates.droppers(), ends, droppers);
+        let (all, damped) = (self.candidates.droppers(), modes.law.damping != 0.0);
+        let rated = if damped { all.len() } else { 0 };
+        add_motions((arch, modes, range), all.split_at(rated), ends, droppers);
     }
 
     /// Motion at the end of the step, of the modes `range`, and its parts of deflections.
@@ -269,7 +273,12 @@ impl Lane {
             let [along, _] = &mut parts[1];
             kernels::add_dots(arch, [slope], [ends[0]], [std::array::from_mut(along)]);
         }
-        add_motions((arch, modes, range), &self.watched, ends, joints);
+        let rated = if modes.law.damping == 0.0 {
+            self.near
+        } else {
+            self.watched.len()
+        };
+        add_motions((arch, modes, range), self.watched.split_at(rated), ends, joints);
     }
 
     fn take_parts(&mut self, count: usize) {
@@ -304,20 +313,31 @@ fn add_joints<'a>(
     kernels::add(arch, &rows[..count], forces);
 }
 
-/// Adds the parts of the motions of droppers and supports that the modes `range` are.
+/// Adds the parts of the motions of droppers and supports that the modes `range` are: of `moving` ones the rates too.
 fn add_motions(
     (arch, modes, range): (Arch, &Modes, Range<usize>),
-    joints: &[usize],
-    ends: [&[f32]; 2],
+    (moving, resting): (&[usize], &[usize]),
+    [q, v]: [&[f32]; 2],
     parts: &mut [[Parts; 2]],
 ) {
     let row = |joint: usize| &modes.joint(joint)[range.clone()];
-    let ((four, rest), (of_four, of_rest)) = (joints.as_chunks::<4>(), parts.as_chunks_mut::<4>());
+    let (of_moving, of_resting) = parts.split_at_mut(moving.len());
+    let ((four, rest), (of_four, of_rest)) = (moving.as_chunks::<4>(), of_moving.as_chunks_mut::<4>());
     for (joints, parts) in four.iter().zip(of_four) {
-        kernels::add_dots(arch, joints.map(row), ends, parts.each_mut());
+        kernels::add_dots(arch, joints.map(row), [q, v], parts.each_mut());
     }
     for (&joint, parts) in rest.iter().zip(of_rest) {
-        kernels::add_dots(arch, [row(joint)], ends, [parts]);
+        kernels::add_dots(arch, [row(joint)], [q, v], [parts]);
+    }
+    fn deflection([parts, _]: &mut [Parts; 2]) -> &mut [Parts; 1] {
+        std::array::from_mut(parts)
+    }
+    let ((four, rest), (of_four, of_rest)) = (resting.as_chunks::<4>(), of_resting.as_chunks_mut::<4>());
+    for (joints, parts) in four.iter().zip(of_four) {
+        kernels::add_dots(arch, joints.map(row), [q], parts.each_mut().map(deflection));
+    }
+    for (&joint, parts) in rest.iter().zip(of_rest) {
+        kernels::add_dots(arch, [row(joint)], [q], [deflection(parts)]);
     }
 }
 
