@@ -108,7 +108,7 @@ pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> 
     has_a_rule(scene, catenary)?;
     let (f, corrected) = (scene.run.low_pass_hz, corrected_steps(scene, catenary));
     let squares = match (catenary.mesh.has(Correction::MassCorrection), contact.law) {
-        // The line is exact in time; the straight force within a step is not.
+        // The line is exact in time; the parabola of a force within a step is not.
         _ if scene.model.has(Reduction::Modal) => MODAL_STEP * (step * f).powi(2),
         (false, _) => STEP * (step * f).powi(2),
         (true, law) => {

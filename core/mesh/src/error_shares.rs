@@ -8,7 +8,7 @@
 //! ```text
 //! linearised   the line about its static state
 //! window       spans beyond the window linear, reduced to modes
-//! modal        forces straight within a step, modes left out, borrowed dampers
+//! modal        modes left out, borrowed dampers
 //! planar       wires that do not move sideways: nothing where nothing would move them
 //! tolerance    residual that ends Newton's method
 //! coupling     exchange of line and pantographs once per macro step
