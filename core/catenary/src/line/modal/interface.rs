@@ -26,7 +26,7 @@ const TAUT: f64 = 30.0;
 /// Mass of a point under a strip, kg: next to none, so that accelerations at the start exist.
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
-const SLIGHT: f64 = 1e-5;
+const SLIGHT: f64 = 1e-6;
 /// Frequency up to which modes are drawn, Hz: those above move wires by less than a line's width.
 const DRAWN: f64 = 30.0;
 /// Reason why the lane is there.
@@ -299,33 +299,28 @@ impl Interface {
         let begin = |dropper: usize| (dropper, lacking.beyond_rest()[dropper], lacking.course(dropper, h));
         lane.candidates.choose(droppers.map(begin));
         self.move_on(Lane::begin);
-        self.find_slope();
     }
 
-    /// Slope of the forces where these are as at the beginning of the step.
-    fn find_slope(&mut self) {
+    /// Finds the slope of the forces at a motion within a step: a dropper that goes slack or taut changes it.
+    fn find_slope(&mut self, motion: &Motion<'_>) {
+        if !self.find(motion) {
+            return;
+        }
         let contacts = self.points.len();
         let mut work = std::mem::take(&mut self.step.work);
         work.resize(3 * contacts, 0.0);
-        let (base, rest) = work.split_at_mut(contacts);
-        let (there, middle) = rest.split_at_mut(contacts);
-        for (i, base) in base.iter_mut().enumerate() {
-            let (lane, forces) = (self.lane(), &self.forces);
-            let compliance = lane.pass().map_or(&[][..], |pass| &pass.compliance);
-            let row = compliance.chunks_exact(contacts).nth(i).unwrap_or_default();
-            let by_forces: f64 = row.iter().zip(forces).map(|(row, force)| row * force).sum();
-            *base = lane.free[i] + by_forces - lane.candidates.deflection(i, contacts);
-        }
-        self.solve(base);
-        middle.copy_from_slice(&self.step.forces);
+        let (here, rest) = work.split_at_mut(contacts);
+        let (there, forces) = rest.split_at_mut(contacts);
+        forces.copy_from_slice(&self.step.forces);
         for j in 0..contacts {
-            there.copy_from_slice(base);
+            there.copy_from_slice(here);
             there[j] += SLIGHT;
             self.solve(there);
-            for (i, (force, middle)) in self.step.forces.iter().zip(&*middle).enumerate() {
-                self.slope[i * contacts + j] = (force - middle) / SLIGHT;
+            for (i, (force, here)) in self.step.forces.iter().zip(&*forces).enumerate() {
+                self.slope[i * contacts + j] = (force - here) / SLIGHT;
             }
         }
+        self.step.forces.copy_from_slice(forces);
         self.step.work = work;
     }
 
@@ -387,7 +382,8 @@ impl Force for Interface {
         }
     }
 
-    fn add_tangent(&mut self, _: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        self.find_slope(motion);
         self.assembled.clone_from(&self.slope);
         let (indices, values) = self.weighted(weights.q, |own, entry| own.slope[entry]);
         blocks.add(indices, indices, values);
@@ -409,7 +405,8 @@ impl Force for Interface {
 }
 
 impl LowRank for Interface {
-    fn push_updates(&mut self, _: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        self.find_slope(motion);
         if self.slope != self.assembled {
             let (indices, values) = self.weighted(weights.q, |own, entry| own.slope[entry] - own.assembled[entry]);
             updates.dense(0, indices, values);
