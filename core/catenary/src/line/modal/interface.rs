@@ -94,6 +94,9 @@ struct Step {
     /// The lane has made its first half.
     begun: bool,
     forces: Vec<f64>,
+    /// The forces and what droppers lack are solved for the deflections `at` of the points, m.
+    solved: bool,
+    at: Vec<f64>,
     work: Vec<f64>,
 }
 
@@ -282,6 +285,7 @@ impl Interface {
     /// Answers of the line at the end of the step without forces there, and to forces there.
     fn begin(&mut self) {
         self.step.begun = true;
+        self.step.solved = false;
         let (h, modes) = (self.step.h, &self.modes);
         let lane = self.lane.as_deref_mut().expect(HERE);
         lane.h = h;
@@ -321,6 +325,7 @@ impl Interface {
             }
         }
         self.step.forces.copy_from_slice(forces);
+        self.step.solved = false;
         self.step.work = work;
     }
 
@@ -346,7 +351,11 @@ impl Interface {
         w.extend(self.points.iter().map(|point| motion.q[point.coordinate]));
         let open = self.step.open;
         if open {
-            self.solve(&w);
+            if !self.step.solved || self.step.at != w {
+                self.solve(&w);
+                self.step.solved = true;
+                self.step.at.clone_from(&w);
+            }
         } else {
             for i in 0..contacts {
                 let change: f64 = (0..contacts)
