@@ -199,8 +199,8 @@ pub fn free(arch: Arch, factors: Factors<'_>, motion: [&[f32]; 3], known: &[f32]
 /// Point that moves along the line: modal forces `φ F` of a force `F` at it, in a step from `(φ₀, φ₀′)` to `(φ₁, φ₁′)`.
 ///
 /// With `F` a parabola through `F₋₁` one step before, the second derivative of the modal force is
-/// `s = c₁ F₁ − c₀ F₀ + φ₁ (F₁ − 2 F₀ + F₋₁)/h²` to the order of the step's square, `c = φ′ v/h + (φ₁ − φ₀)/h²`, `v` the
-/// speed along the line.
+/// `s = c₁ F₁ − c₀ F₀ + φ₁ (F₁ − 2 F₀ + F₋₁)/h²` to the order of the step's square, `c = φ′ v/h + (φ₁ − φ₀)/h²`, `v`
+/// the speed along the line.
 pub struct Passing<'a> {
     /// `φ₀`, `φ₀′` along the line, `φ₁` and `φ₁′`.
     pub shapes: [&'a [f32]; 4],
@@ -276,7 +276,8 @@ pub fn add_answer(arch: Arch, force: f32, answer: [&[f32]; 3], ends: [&mut [f32]
     arch.dispatch(AddAnswer(force, answer, ends));
 }
 
-/// Adds what modal forces with the second derivative `−b`, `b = Σ w bend`, change in a step: `q += q_b b`, `v += v_b b`.
+/// Adds what modal forces with the second derivative `−b`, `b = Σ w bend`, change in a step: `q += q_b b`,
+/// `v += v_b b`.
 pub fn add_bend(arch: Arch, factors: Factors<'_>, bends: [(f32, &[f32]); 2], ends: [&mut [f32]; 2]) {
     struct AddBend<'a>(Factors<'a>, [(f32, &'a [f32]); 2], [&'a mut [f32]; 2]);
     impl WithSimd for AddBend<'_> {

@@ -97,8 +97,8 @@ impl Lacking {
 /// Bend of the force `max(0, −s)` within a step, its second derivative times the square of the step, N, and the change
 /// of that with `s` at the end, –.
 ///
-/// `s` is the parabola through the tensions one step before, at the begin and at the end, N, or straight where the first
-/// is not a number. A bend of 1 N has an impulse of minus a twelfth of the step.
+/// `s` is the parabola through the tensions one step before, at the begin and at the end, N, or straight where the
+/// first is not a number. A bend of 1 N has an impulse of minus a twelfth of the step.
 #[inline]
 pub(super) fn bend([before, begin, end]: [f64; 3]) -> [f64; 2] {
     let half = if before.is_nan() {

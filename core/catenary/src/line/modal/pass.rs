@@ -35,8 +35,8 @@ pub(super) struct Point {
     shapes: [Shapes; 2],
     /// Amplitudes at the end of the step and their rates by a unit force there, with the move of the point.
     pub by_force: [Aligned; 2],
-    /// Amplitudes at the end of the step by a unit force there that does not move, those that it feels of others; and by
-    /// a unit bend of such a force.
+    /// Amplitudes at the end of the step by a unit force there that does not move, those that it feels of others; and
+    /// by a unit bend of such a force.
     fixed: [Aligned; 2],
     /// Square of the step's rate, 1/s²; none where the strip was not under the wire at both ends, or in a step to rest.
     per_step: Option<f64>,

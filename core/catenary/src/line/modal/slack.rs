@@ -121,7 +121,8 @@ impl Candidates {
             .map(move |(dropper, bend)| (dropper, bend / (h * h)))
     }
 
-    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N, and their course.
+    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N, and
+    /// their courses.
     pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64, [f64; 2])>) {
         self.droppers.clear();
         self.lacking.clear();
