@@ -23,6 +23,9 @@ const IN_TURN: usize = 32;
 const LOOSE: f64 = 40.0;
 /// Tension above which a dropper that was watched stays taut within a step, N: a millisecond takes up to ten newtons.
 const TAUT: f64 = 30.0;
+/// Largest ratio of a step to the last one over which a force goes on as in that one: the change over a much shorter
+/// step is rounding.
+const LONGER: f64 = 2.0;
 /// Mass of a point under a strip, kg: next to none, so that accelerations at the start exist.
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
@@ -63,7 +66,7 @@ pub(super) struct Interface {
     /// Force of each strip at the end of the last step, N, and at the end of the one before.
     forces: Vec<f64>,
     forces_before: Vec<f64>,
-    /// Length of the last step, s.
+    /// Length of the last step, s; infinite after a step to rest.
     last_h: f64,
     lacking: Lacking,
     /// Deflection of the points at the end of the last step, m, and their rates, m/s.
@@ -115,7 +118,7 @@ impl Interface {
             joint_rates: vec![f64::NAN; modes.borrowed.len()],
             forces: vec![0.0; contacts],
             forces_before: vec![0.0; contacts],
-            last_h: 0.0,
+            last_h: f64::INFINITY,
             lacking: Lacking::new(&modes.at_rest),
             reached: vec![0.0; contacts],
             rates: vec![0.0; contacts],
@@ -292,7 +295,7 @@ impl Interface {
         for (place, point) in lane.places.iter_mut().zip(&self.points) {
             *place = [point.s, point.place.get()];
         }
-        let ratio = if self.last_h > 0.0 { h / self.last_h } else { 0.0 };
+        let ratio = (h / self.last_h).min(LONGER);
         let forces = self.forces.iter().zip(&self.forces_before);
         for (known, (force, before)) in lane.known_forces.iter_mut().zip(forces) {
             *known = [force - ratio * (force - before), *force];
@@ -437,7 +440,7 @@ impl StepHistory for Interface {
         let h = self.step.h;
         self.forces_before.copy_from_slice(&self.forces);
         self.forces.copy_from_slice(&self.step.forces);
-        self.last_h = h;
+        self.last_h = if h > 0.0 { h } else { f64::INFINITY };
         let lane = self.lane.as_deref_mut().expect(HERE);
         self.lacking.end_step(h, lane.candidates.lacking());
         lane.bends.clear();
