@@ -278,18 +278,18 @@ pub fn add_answer(arch: Arch, force: f32, answer: [&[f32]; 3], ends: [&mut [f32]
 
 /// Adds what modal forces with the second derivative `−b`, `b = Σ w bend`, change in a step: `q += q_b b`,
 /// `v += v_b b`.
-pub fn add_bend(arch: Arch, factors: Factors<'_>, bends: [(f32, &[f32]); 2], ends: [&mut [f32]; 2]) {
-    struct AddBend<'a>(Factors<'a>, [(f32, &'a [f32]); 2], [&'a mut [f32]; 2]);
-    impl WithSimd for AddBend<'_> {
+pub fn add_bend<const N: usize>(arch: Arch, factors: Factors<'_>, bends: [(f32, &[f32]); N], ends: [&mut [f32]; 2]) {
+    struct AddBend<'a, const N: usize>(Factors<'a>, [(f32, &'a [f32]); N], [&'a mut [f32]; 2]);
+    impl<const N: usize> WithSimd for AddBend<'_, N> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
             let n = self.0.qb.len();
             let (qb, vb) = (self.0.qb, &self.0.vb[..n]);
-            let [(w, bend), (of_other, other)] = self.1.map(|(w, bend)| (w, &bend[..n]));
+            let bends = self.1.map(|(w, bend)| (w, &bend[..n]));
             let [q, v] = self.2.map(|values| &mut values[..n]);
             for k in 0..n {
-                let bend = bend[k] * w + other[k] * of_other;
+                let bend: f32 = bends.iter().map(|(w, bend)| w * bend[k]).sum();
                 q[k] += qb[k] * bend;
                 v[k] += vb[k] * bend;
             }

@@ -12,10 +12,9 @@ use std::sync::Arc;
 
 /// Droppers up to this far from a strip are watched in every step, m.
 const REACH: f64 = 30.0;
-/// Droppers up to this far from a strip are watched every [`OFTEN`], m: wires that swing behind a strip make droppers
-/// slack within two spans.
+/// Way from a strip within which wires swing so far that droppers go slack, m: two spans behind it.
 const SWING: f64 = 100.0;
-/// Time in which such a dropper is watched once, s: it goes slack in some ten milliseconds.
+/// Time in which a dropper there is watched once, s: it goes slack in some ten milliseconds.
 const OFTEN: f64 = 8e-3;
 /// Number of steps in which each dropper further away is watched once.
 const IN_TURN: usize = 32;
@@ -295,7 +294,7 @@ impl Interface {
         for (place, point) in lane.places.iter_mut().zip(&self.points) {
             *place = [point.s, point.place.get()];
         }
-        let ratio = (h / self.last_h).min(LONGER);
+        let (ratio, as_long) = ((h / self.last_h).min(LONGER), (h - self.last_h).abs() <= 1e-9 * h);
         let forces = self.forces.iter().zip(&self.forces_before);
         for (known, (force, before)) in lane.known_forces.iter_mut().zip(forces) {
             *known = [force - ratio * (force - before), *force];
@@ -303,7 +302,13 @@ impl Interface {
         let lacking = &self.lacking;
         let may_be_slack = |dropper: &usize| h == 0.0 || lacking.tension(*dropper) < TAUT;
         let droppers = (0..modes.droppers()).filter(may_be_slack);
-        let begin = |dropper: usize| (dropper, lacking.beyond_rest()[dropper], lacking.course(dropper, h));
+        let begin = |dropper: usize| {
+            (
+                dropper,
+                lacking.beyond_rest()[dropper],
+                lacking.course(dropper, as_long),
+            )
+        };
         lane.candidates.choose(droppers.map(begin));
         self.move_on(Lane::begin);
     }
@@ -442,7 +447,7 @@ impl StepHistory for Interface {
         self.forces.copy_from_slice(&self.step.forces);
         self.last_h = if h > 0.0 { h } else { f64::INFINITY };
         let lane = self.lane.as_deref_mut().expect(HERE);
-        self.lacking.end_step(h, lane.candidates.lacking());
+        self.lacking.end_step(lane.candidates.lacking());
         lane.bends.clear();
         lane.bends.extend(lane.candidates.bends(h));
         lane.forces.copy_from_slice(&self.forces);

@@ -15,8 +15,6 @@ pub(super) struct Lacking {
     /// when last looked at, the second not a number where that is not known, and infinite where the last step was left
     /// out.
     tensions: [Vec<f64>; 2],
-    /// Length of the last step, s.
-    h: f64,
 }
 
 impl Lacking {
@@ -25,7 +23,6 @@ impl Lacking {
         Self {
             beyond_rest: vec![0.0; at_rest.len()],
             tensions: [at_rest.to_vec(), vec![f64::INFINITY; at_rest.len()]],
-            h: 0.0,
         }
     }
 
@@ -45,18 +42,16 @@ impl Lacking {
         self.tensions[0][dropper]
     }
 
-    /// Tensions of a dropper one step before the coming one of `h` s and at its begin, N; the first is not a number
-    /// where that is not known.
-    pub fn course(&self, dropper: usize, h: f64) -> [f64; 2] {
+    /// Tensions of a dropper one step before the coming one and at its begin, N; the first is not a number where that
+    /// is not known. The last step was `as_long` as the coming one.
+    pub fn course(&self, dropper: usize, as_long: bool) -> [f64; 2] {
         let [now, before] = &self.tensions;
-        let as_long = h > 0.0 && (h - self.h).abs() <= 1e-9 * h;
         let known = as_long && before[dropper].is_finite();
         [if known { before[dropper] } else { f64::NAN }, now[dropper]]
     }
 
-    /// Takes what the droppers lack at the end of a step of `h` s.
-    pub fn end_step(&mut self, h: f64, lacking: impl Iterator<Item = (usize, f64)>) {
-        self.h = h;
+    /// Takes what droppers lack at the end of a step beyond what they lack at rest, N.
+    pub fn end_step(&mut self, lacking: impl Iterator<Item = (usize, f64)>) {
         for (dropper, lacking) in lacking {
             self.beyond_rest[dropper] = lacking;
         }
@@ -80,7 +75,6 @@ impl Lacking {
 
     /// Writes all that the next step goes by.
     pub fn save(&self, out: &mut Vec<f64>) {
-        out.push(self.h);
         for values in self.tensions.iter().chain([&self.beyond_rest]) {
             out.extend_from_slice(values);
         }
@@ -88,7 +82,6 @@ impl Lacking {
 
     /// See [`Lacking::save`].
     pub fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        self.h = next_of(values);
         let all = self.tensions.iter_mut().chain([&mut self.beyond_rest]).flatten();
         all.for_each(|value| *value = next_of(values));
     }
@@ -192,7 +185,7 @@ mod tests {
     fn a_saved_state_comes_back() {
         let mut lacking = Lacking::new(&[50.0, -2.0]);
         for step in 0..3 {
-            lacking.end_step(1e-3, [(1, f64::from(step).powi(2))].into_iter());
+            lacking.end_step([(1, f64::from(step).powi(2))].into_iter());
             lacking.look_at(1, -f64::from(step));
             lacking.leave_out(0);
         }

@@ -89,8 +89,9 @@ pub(super) struct Lane {
     pub lacking: Joints,
     /// Second derivatives of the forces that droppers lack in the step, N/s².
     pub bends: Joints,
-    /// Droppers and supports whose deflection at the end of the step is wanted, and how many of the first with rates.
+    /// Droppers and supports whose deflection at the end of the step is wanted.
     pub watched: Vec<usize>,
+    /// Number of the first of these that are near a strip: their rates are wanted too.
     pub near: usize,
     /// Deflection, m, and rate, m/s, of each.
     pub motions: Vec<[f64; 2]>,
@@ -226,7 +227,7 @@ impl Lane {
         kernels::free(arch, factors, motion, repaid, [q, v]);
         for (point, [before, begin]) in pass.points.iter().zip(&self.known_forces) {
             // `c₀ F₀` by the move, and of the second difference of the force the part that is known.
-            if let Some(per_step) = point.per_step() {
+            if let Some(per_step) = point.per_step(self.h) {
                 let known = (per_step * (2.0 * begin - before)) as f32;
                 let bends = [(*begin as f32, &*point.bend), (known, point.shape())];
                 let bends = bends.map(|(weight, row)| (weight, &row[range.clone()]));
@@ -239,9 +240,11 @@ impl Lane {
             let shape = &point.shape()[range.clone()];
             kernels::add_dots(arch, [shape], [ends[0]], [std::array::from_mut(parts)]);
         }
-        let (all, damped) = (self.candidates.droppers(), modes.law.damping != 0.0);
-        let rated = if damped { all.len() } else { 0 };
-        add_motions((arch, modes, range), all.split_at(rated), ends, droppers);
+        if modes.law.damping == 0.0 {
+            add_motions((arch, modes, range), self.candidates.droppers(), [ends[0]], droppers);
+        } else {
+            add_motions((arch, modes, range), self.candidates.droppers(), ends, droppers);
+        }
     }
 
     /// Motion at the end of the step, of the modes `range`, and its parts of deflections.
@@ -257,8 +260,7 @@ impl Lane {
             let bend = &mut self.bend[range.clone()];
             bend.fill(0.0);
             add_joints((arch, modes, range.clone()), self.bends.iter(), bend);
-            let nothing = (0.0, &*bend);
-            kernels::add_bend(arch, factors, [(1.0, bend), nothing], [q, v]);
+            kernels::add_bend(arch, factors, [(1.0, bend)], [q, v]);
         }
         for (point, force) in pass.points.iter().zip(&self.forces).filter(|(point, _)| point.on) {
             let [by_q, by_v] = &point.by_force;
@@ -278,7 +280,10 @@ impl Lane {
         } else {
             self.watched.len()
         };
-        add_motions((arch, modes, range), self.watched.split_at(rated), ends, joints);
+        let (moving, resting) = self.watched.split_at(rated);
+        let (of_moving, of_resting) = joints.split_at_mut(rated);
+        add_motions((arch, modes, range.clone()), moving, ends, of_moving);
+        add_motions((arch, modes, range), resting, [ends[0]], of_resting);
     }
 
     fn take_parts(&mut self, count: usize) {
@@ -313,31 +318,24 @@ fn add_joints<'a>(
     kernels::add(arch, &rows[..count], forces);
 }
 
-/// Adds the parts of the motions of droppers and supports that the modes `range` are: of `moving` ones the rates too.
-fn add_motions(
+/// Adds the parts of the motions of droppers and supports that the modes `range` are: of deflections, or of these and
+/// their rates.
+fn add_motions<const N: usize>(
     (arch, modes, range): (Arch, &Modes, Range<usize>),
-    (moving, resting): (&[usize], &[usize]),
-    [q, v]: [&[f32]; 2],
+    joints: &[usize],
+    ends: [&[f32]; N],
     parts: &mut [[Parts; 2]],
 ) {
+    fn first<const N: usize>(parts: &mut [Parts; 2]) -> &mut [Parts; N] {
+        parts.first_chunk_mut().expect("a motion is a deflection and a rate")
+    }
     let row = |joint: usize| &modes.joint(joint)[range.clone()];
-    let (of_moving, of_resting) = parts.split_at_mut(moving.len());
-    let ((four, rest), (of_four, of_rest)) = (moving.as_chunks::<4>(), of_moving.as_chunks_mut::<4>());
+    let ((four, rest), (of_four, of_rest)) = (joints.as_chunks::<4>(), parts.as_chunks_mut::<4>());
     for (joints, parts) in four.iter().zip(of_four) {
-        kernels::add_dots(arch, joints.map(row), [q, v], parts.each_mut());
+        kernels::add_dots(arch, joints.map(row), ends, parts.each_mut().map(first));
     }
     for (&joint, parts) in rest.iter().zip(of_rest) {
-        kernels::add_dots(arch, [row(joint)], [q, v], [parts]);
-    }
-    fn deflection([parts, _]: &mut [Parts; 2]) -> &mut [Parts; 1] {
-        std::array::from_mut(parts)
-    }
-    let ((four, rest), (of_four, of_rest)) = (resting.as_chunks::<4>(), of_resting.as_chunks_mut::<4>());
-    for (joints, parts) in four.iter().zip(of_four) {
-        kernels::add_dots(arch, joints.map(row), [q], parts.each_mut().map(deflection));
-    }
-    for (&joint, parts) in rest.iter().zip(of_rest) {
-        kernels::add_dots(arch, [row(joint)], [q], [deflection(parts)]);
+        kernels::add_dots(arch, [row(joint)], ends, [first(parts)]);
     }
 }
 

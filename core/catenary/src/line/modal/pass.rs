@@ -38,8 +38,6 @@ pub(super) struct Point {
     /// Amplitudes at the end of the step by a unit force there that does not move, those that it feels of others; and
     /// by a unit bend of such a force.
     fixed: [Aligned; 2],
-    /// Square of the step's rate, 1/s²; none where the strip was not under the wire at both ends, or in a step to rest.
-    per_step: Option<f64>,
     /// Bend of the modal force that a unit force at the begin of the step makes by the move of the point.
     pub bend: Aligned,
 }
@@ -60,7 +58,6 @@ impl Point {
             shapes: [shapes(), shapes()],
             by_force: [room(), room()],
             fixed: [room(), room()],
-            per_step: None,
             bend: room(),
         }
     }
@@ -70,9 +67,10 @@ impl Point {
         &self.shapes[1].at
     }
 
-    /// One over the square of a step in which the strip was under the wire all the time, 1/s².
-    pub fn per_step(&self) -> Option<f64> {
-        self.per_step.filter(|_| self.on)
+    /// One over the square of a step of `h` s, 1/s²; none for a strip that was not under the wire at both ends, or in a
+    /// step to rest.
+    pub fn per_step(&self, h: f64) -> Option<f64> {
+        (self.moved.is_finite() && h > 0.0).then(|| 1.0 / (h * h))
     }
 
     /// `∂φₖ/∂s` there.
@@ -115,11 +113,9 @@ impl Point {
 
     /// Answers of all modes to a unit force at the end of the step, and the bend by one at its begin.
     fn answer(&mut self, arch: Arch, factors: &StepFactors) {
-        let h = factors.h;
         let [before, now] = &self.shapes;
         // A point that comes to the wire in the step, or a step to rest, is without a move.
-        self.per_step = (self.moved.is_finite() && h > 0.0).then(|| 1.0 / (h * h));
-        let (before, along, per_step) = match self.per_step {
+        let (before, along, per_step) = match self.per_step(factors.h) {
             Some(per_step) => (before, self.moved * per_step, per_step),
             None => (now, 0.0, 0.0),
         };
