@@ -67,29 +67,54 @@ impl Answers {
     }
 }
 
+/// Answers to a unit of something that each candidate lacks, candidate after candidate.
+#[derive(Default)]
+struct Response {
+    /// Deflection of each point, m.
+    deflections: Vec<f64>,
+    /// Force on each strip that is left with the points held, N.
+    held: Vec<f64>,
+    /// Tension of each candidate, N.
+    between: Vec<f64>,
+}
+
+impl Response {
+    fn clear(&mut self) {
+        let all = [&mut self.deflections, &mut self.held, &mut self.between];
+        all.into_iter().for_each(Vec::clear);
+    }
+
+    /// Finds the forces on the strips of the last candidate.
+    fn hold(&mut self, pass: &Pass) {
+        let first = self.held.len();
+        self.held.extend_from_slice(&self.deflections[first..]);
+        pass.factored.solve(&mut self.held[first..]);
+    }
+
+    /// Deflection of a point of `points` by the `values` of all candidates, m.
+    fn deflection(&self, point: usize, points: usize, values: &[f64]) -> f64 {
+        let by_each = self.deflections.chunks_exact(points).zip(values);
+        by_each.map(|(deflections, value)| deflections[point] * value).sum()
+    }
+}
+
 /// Droppers that may be slack at the end of the present step, with their part in it.
 #[derive(Default)]
 pub(super) struct Candidates {
     droppers: Vec<usize>,
     /// Tension of each at the end of the step without forces there, N.
     free: Vec<f64>,
-    /// Deflection of each point by a unit lacking force, m/N; candidate after candidate.
-    deflections: Vec<f64>,
     /// Tension by a unit force of each strip, –; candidate after candidate.
     tensions: Vec<f64>,
-    /// Force on each strip that a unit lacking force leaves with the points held, –; candidate after candidate.
-    held: Vec<f64>,
-    /// Tension by a unit force of each other one, –; candidate after candidate.
-    between: Vec<f64>,
+    /// Answers to a lacking force of 1 N, and to a bend of it of 1 N.
+    by_force: Response,
+    by_bend: Response,
     /// Lacking force of each beyond that at rest at the last solution, N.
     lacking: Vec<f64>,
     /// Tensions of each one step before the begin of the step and at the begin, N, see [`bend`].
     courses: Vec<[f64; 2]>,
-    /// Bend of the lacking force of each at the last solution, N; and the answers to it as to `lacking`.
+    /// Bend of the lacking force of each at the last solution, N.
     bends: Vec<f64>,
-    deflections_by_bend: Vec<f64>,
-    held_by_bend: Vec<f64>,
-    between_by_bend: Vec<f64>,
     /// Tension of each at the end of the step at the last solution, N, negative for what a slack one lacks.
     ends: Vec<f64>,
     /// Change of that with the own lacking force, –, and with its bend, –.
@@ -150,32 +175,23 @@ impl Candidates {
         let h = answers.step.h;
         self.bent = h > 0.0;
         let per_step = if self.bent { 1.0 / (h * h) } else { 0.0 };
-        let values = [
-            &mut self.free,
-            &mut self.deflections,
-            &mut self.tensions,
-            &mut self.held,
-            &mut self.between,
-            &mut self.deflections_by_bend,
-            &mut self.held_by_bend,
-            &mut self.between_by_bend,
-        ];
-        values.into_iter().for_each(Vec::clear);
+        self.free.clear();
+        self.tensions.clear();
         self.by_own.clear();
+        let (by_force, by_bend) = (&mut self.by_force, &mut self.by_bend);
+        by_force.clear();
+        by_bend.clear();
         for (&dropper, [elongation, rate]) in self.droppers.iter().zip(motions) {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
             self.free.push(spring + law.damping * rate);
             pass.need((arch, modes), dropper);
             for answer in pass.by_dropper(dropper) {
-                self.deflections.push(answer.deflection);
-                self.deflections_by_bend.push(answer.by_bend * per_step);
+                by_force.deflections.push(answer.deflection);
+                by_bend.deflections.push(answer.by_bend * per_step);
                 self.tensions.push(answer.tension);
             }
-            let first = self.held.len();
-            self.held.extend_from_slice(&self.deflections[first..]);
-            pass.factored.solve(&mut self.held[first..]);
-            self.held_by_bend.extend_from_slice(&self.deflections_by_bend[first..]);
-            pass.factored.solve(&mut self.held_by_bend[first..]);
+            by_force.hold(pass);
+            by_bend.hold(pass);
         }
         for &a in &self.droppers {
             for &b in &self.droppers {
@@ -184,27 +200,24 @@ impl Candidates {
                     Arc::make_mut(answers).need((arch, modes), [a, b]);
                     answer = answers.between(modes, [a, b]);
                 }
-                self.between.push(answer[0]);
-                self.between_by_bend.push(answer[1] * per_step);
+                by_force.between.push(answer[0]);
+                by_bend.between.push(answer[1] * per_step);
             }
         }
-        for c in 0..self.droppers.len() {
-            let (count, points) = (self.droppers.len(), pass.points.len());
+        let (count, points) = (self.droppers.len(), pass.points.len());
+        for c in 0..count {
             let (own, along) = (c * (count + 1), c * points..(c + 1) * points);
             let tensions = &self.tensions[along.clone()];
-            let by_end = 1.0 - self.between[own] + dot(tensions, &self.held[along.clone()]);
-            let by_bend = self.between_by_bend[own] - dot(tensions, &self.held_by_bend[along]);
-            self.by_own.push([by_end, by_bend]);
+            self.by_own.push([
+                1.0 - by_force.between[own] + dot(tensions, &by_force.held[along.clone()]),
+                by_bend.between[own] - dot(tensions, &by_bend.held[along]),
+            ]);
         }
     }
 
     /// Deflection of a point of `points` by all lacking forces, m, taken away from that without them.
     pub fn deflection(&self, point: usize, points: usize) -> f64 {
-        let of = |deflections: &[f64], values: &[f64]| -> f64 {
-            let by_each = deflections.iter().skip(point).step_by(points).zip(values);
-            by_each.map(|(deflection, value)| deflection * value).sum()
-        };
-        of(&self.deflections, &self.lacking) - of(&self.deflections_by_bend, &self.bends)
+        self.by_force.deflection(point, points, &self.lacking) - self.by_bend.deflection(point, points, &self.bends)
     }
 
     /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces`
@@ -215,13 +228,12 @@ impl Candidates {
             let mut largest = 0.0_f64;
             for (c, &dropper) in self.droppers.iter().enumerate() {
                 let own = c * contacts..(c + 1) * contacts;
-                let (tensions, held) = (&self.tensions[own.clone()], &self.held[own.clone()]);
-                let held_by_bend = &self.held_by_bend[own];
-                let of_others = c * count..(c + 1) * count;
-                let between = &self.between[of_others.clone()];
-                let between_by_bend = &self.between_by_bend[of_others];
-                let by_droppers = dot(between, &self.lacking) - dot(between_by_bend, &self.bends);
-                let spring = self.free[c] + dot(tensions, forces) - by_droppers;
+                let held = self.by_force.held[own.clone()]
+                    .iter()
+                    .zip(&self.by_bend.held[own.clone()]);
+                let [by_force, by_bend] = [&self.by_force, &self.by_bend].map(|by| &by.between[c * count..][..count]);
+                let by_droppers = dot(by_force, &self.lacking) - dot(by_bend, &self.bends);
+                let spring = self.free[c] + dot(&self.tensions[own], forces) - by_droppers;
                 let of_rest = modes.lacks_at_rest(dropper);
                 let lacks = self.lacking[c] + of_rest;
                 let [by_end, by_bend] = self.by_own[c];
@@ -233,7 +245,7 @@ impl Candidates {
                     [if base < 0.0 { base / by_end } else { base }, 0.0]
                 };
                 let (change, bent) = ((-end).max(0.0) - lacks, bend - self.bends[c]);
-                for (force, (held, by_bend)) in forces.iter_mut().zip(held.iter().zip(held_by_bend)) {
+                for (force, (held, by_bend)) in forces.iter_mut().zip(held) {
                     *force += held * change - by_bend * bent;
                 }
                 self.ends[c] = end;
