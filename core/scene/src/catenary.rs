@@ -520,6 +520,14 @@ impl Wire {
     pub fn wave_speed(&self) -> f64 {
         (self.tension / self.mass_per_length).sqrt()
     }
+
+    /// Phase speed `ω/k` of transverse waves of `omega` rad/s, m/s, from `m ω² = T k² + EI k⁴`.
+    #[must_use]
+    pub fn phase_speed(&self, omega: f64) -> f64 {
+        let string = 0.5 * self.wave_speed().powi(2);
+        let bending = omega.powi(2) * self.bending_stiffness / self.mass_per_length;
+        (string + (string.powi(2) + bending).sqrt()).sqrt()
+    }
 }
 
 impl Entry for Catenary {

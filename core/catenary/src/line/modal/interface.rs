@@ -268,7 +268,7 @@ impl Interface {
         let points = self.lane().pass().map_or(&[][..], |pass| &pass.points);
         let strips = points.iter().zip(&self.forces).filter(|(point, _)| point.on);
         let by_strips: f64 = strips
-            .map(|(point, force)| force * self.modes.residual_by_dropper(&point.columns, dropper))
+            .map(|(point, force)| force * point.residual_of_dropper(&self.modes, dropper))
             .sum();
         let by_droppers =
             (self.lane().lacking.iter()).map(|(other, force)| force * self.modes.residual_between(dropper, *other));

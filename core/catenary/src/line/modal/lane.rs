@@ -20,6 +20,8 @@ pub(super) struct Wires {
     pub curves: Vec<Arc<dyn WireCurve>>,
     /// Zeros, one for each coordinate of the wires.
     pub rest: Arc<[f64]>,
+    /// Phase speed of the waves of modes just left out, m/s.
+    pub slowest: f64,
 }
 
 impl Wires {

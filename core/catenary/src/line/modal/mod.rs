@@ -52,6 +52,7 @@ use interface::{Contact, Interface};
 use lane::{Lane, Wires};
 use nalgebra::Vector3;
 use scene::{Reduction, Scene, Wire, WireKind};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 pub(crate) use base::{Base, Wish};
@@ -61,7 +62,7 @@ pub use store::cache_folder;
 /// force of the filter's frequency `f` that moves with `v` sends waves of `f` at rest and of `f/(1 − v/c)` ahead, and
 /// meshes err by the mean of both too. It falls with the third power of the highest mode. Fitted to the line of
 /// EN 50318 at 120, 250 and 300 km/h, and within a quarter of the errors of single frequencies there.
-const LEFT_OUT: f64 = 90.0;
+const LEFT_OUT: f64 = 60.0;
 /// Share of the error of the mesh that the modes left out may add: both are independent, so that their squares add up.
 const SHARE: f64 = 0.7;
 
@@ -105,11 +106,15 @@ impl ModalLine {
             };
             Base::of((linear, &own), wish).map(Arc::new)
         })?;
-        Ok(Self::under(&base, scene.strip_count(), layout))
+        let slowest = scene.modelled_line().map_or(f64::INFINITY, |(line, _)| {
+            line.contact_wire.phase_speed(TAU * wish.highest)
+        });
+        Ok(Self::under(&base, slowest, scene.strip_count(), layout))
     }
 
-    /// The line under `strips` strips; one coordinate per strip and contact wire joins `layout`.
-    fn under(base: &Base, strips: usize, layout: &mut Layout) -> Self {
+    /// The line under `strips` strips; one coordinate per strip and contact wire joins `layout`. Waves of modes left out
+    /// go along contact wires with the `slowest` phase speed or faster, m/s.
+    fn under(base: &Base, slowest: f64, strips: usize, layout: &mut Layout) -> Self {
         let shape = base.shape.clone();
         let rest: Arc<[f64]> = vec![0.0; base.coordinates].into();
         let contact_wires = base.contact_wires.len();
@@ -128,7 +133,11 @@ impl ModalLine {
                 place,
             }));
         }
-        let wires = Wires { curves: wires, rest };
+        let wires = Wires {
+            curves: wires,
+            rest,
+            slowest,
+        };
         Self {
             interface: Interface::new(Lane::new(Arc::clone(&base.modes), base.answers.to_vec(), wires), points),
             curves,

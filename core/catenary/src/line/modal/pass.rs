@@ -10,6 +10,9 @@ use pulp::Arch;
 /// Stiffness that holds a point under a strip beyond the wire, N/m.
 pub(super) const HELD: f64 = 1e5;
 
+/// Largest part of their phase speed with which a strip goes on under waves of modes left out.
+const FASTEST: f64 = 0.9;
+
 /// Least compliance of a point under a strip, m/N: a wire does not yield at all where its end is held.
 const STIFFEST: f64 = 1e-8;
 
@@ -24,13 +27,16 @@ struct Shapes {
 /// A point under a strip.
 pub(super) struct Point {
     /// Columns of the wire at the point.
-    pub columns: CurveColumns,
+    columns: CurveColumns,
     /// True for a strip under the wire.
     pub on: bool,
     /// Place along the track, m, where the strip is under the wire.
     pub x: f64,
     /// Way along the wire in the step, m; not a number where the strip was not under the wire at both ends.
     pub moved: f64,
+    /// Answer of modes left out to the force of the strip in units of that at rest, –. A force that moves with `v` shakes
+    /// a wave of wave number `k` with `k v`: it answers by `1/(ω² − k² v²)`.
+    moving: f64,
     /// Modes at the ends of the step.
     shapes: [Shapes; 2],
     /// Amplitudes at the end of the step and their rates by a unit force there, with the move of the point.
@@ -55,11 +61,17 @@ impl Point {
             on: false,
             x: f64::NAN,
             moved: f64::NAN,
+            moving: 1.0,
             shapes: [shapes(), shapes()],
             by_force: [room(), room()],
             fixed: [room(), room()],
             bend: room(),
         }
+    }
+
+    /// Elongation of a dropper by a unit force of the strip, as far as modes left out make it, m/N.
+    pub fn residual_of_dropper(&self, modes: &Modes, dropper: usize) -> f64 {
+        self.moving * modes.residual_by_dropper(&self.columns, dropper)
     }
 
     /// `φₖ` of all modes at the end of the step.
@@ -111,14 +123,17 @@ impl Point {
         kernels::shape(arch, &rows[..count], &mut shapes.at, &mut shapes.slope);
     }
 
-    /// Answers of all modes to a unit force at the end of the step, and the bend by one at its begin.
-    fn answer(&mut self, arch: Arch, factors: &StepFactors) {
+    /// Answers of all modes to a unit force at the end of the step, and the bend by one at its begin; waves of modes left
+    /// out go with the `slowest` phase speed, m/s.
+    fn answer(&mut self, arch: Arch, factors: &StepFactors, slowest: f64) {
         let [before, now] = &self.shapes;
         // A point that comes to the wire in the step, or a step to rest, is without a move.
         let (before, along, per_step) = match self.per_step(factors.h) {
             Some(per_step) => (before, self.moved * per_step, per_step),
             None => (now, 0.0, 0.0),
         };
+        let part = (along * factors.h / slowest).abs().min(FASTEST);
+        self.moving = 1.0 / (1.0 - part * part);
         for (fixed, factor) in self.fixed.iter_mut().zip([&factors.q1, &factors.qb]) {
             kernels::products(arch, &now.at, factor, fixed);
         }
@@ -176,7 +191,7 @@ impl Pass {
         for (number, (point, place)) in self.points.iter_mut().zip(places).enumerate() {
             point.go((arch, modes, wires), number, *place);
             if point.on {
-                point.answer(arch, factors);
+                point.answer(arch, factors, wires.slowest);
             }
         }
         let count = self.points.len();
@@ -184,7 +199,8 @@ impl Pass {
             for (j, other) in self.points.iter().enumerate() {
                 self.compliance[i * count + j] = if point.on && other.on {
                     let [of_modes] = kernels::dots(arch, point.shape(), [&other.by_force[0]]);
-                    let sum = of_modes + modes.residual_between_points(&point.columns, &other.columns);
+                    let residual = modes.residual_between_points(&point.columns, &other.columns);
+                    let sum = of_modes + other.moving * residual;
                     if i == j { sum.max(STIFFEST) } else { sum }
                 } else if i == j {
                     1.0 / HELD
@@ -213,10 +229,11 @@ impl Pass {
             if point.on {
                 let ([fixed, bent], [q, v]) = (&point.fixed, &point.by_force);
                 let [deflection, by_bend, elongation, rate] = kernels::dots(arch, row, [fixed, bent, q, v]);
-                let residual = modes.residual_by_dropper(&point.columns, dropper);
-                let (elongation, law) = (elongation + residual, &modes.law);
+                let deflection = deflection + modes.residual_by_dropper(&point.columns, dropper);
+                let elongation = elongation + point.residual_of_dropper(modes, dropper);
+                let law = &modes.law;
                 *answer = ByDropper {
-                    deflection: deflection + residual,
+                    deflection,
                     by_bend,
                     tension: law.stiffness * elongation + law.damping * rate,
                 };
