@@ -184,8 +184,7 @@ impl WireGeometry {
     /// wire the element at that end is taken.
     #[must_use]
     pub fn element_at(&self, s: f64) -> (usize, f64) {
-        let last = self.lengths.len() - 1;
-        let element = self.starts[1..=last].partition_point(|&start| start <= s);
+        let element = element_between(&self.starts, s);
         (element, s - self.starts[element])
     }
 
@@ -293,6 +292,25 @@ impl WireGeometry {
 /// `Σᵢ wᵢ eᵢ`.
 fn combination(weights: &Vector4<f64>, e: &[Vector3<f64>; 4]) -> Vector3<f64> {
     e[0] * weights[0] + e[1] * weights[1] + e[2] * weights[2] + e[3] * weights[3]
+}
+
+/// Element at `s` of a wire whose nodes are at `nodes`, m; beyond the wire the one at that end.
+///
+/// Elements of a line are about as long as each other, so that few of them are searched.
+///
+/// # Panics
+/// With fewer than two nodes.
+#[must_use]
+pub fn element_between(nodes: &[f64], s: f64) -> usize {
+    /// Elements on either side of the one that would be at `s` if all were of the same length.
+    const NEAR: usize = 8;
+    let last = nodes.len() - 2;
+    let share = (s - nodes[0]) / (nodes[last + 1] - nodes[0]);
+    let about = ((share * (last + 1) as f64) as usize).min(last);
+    let (low, high) = (about.saturating_sub(NEAR), (about + NEAR).min(last));
+    let within = (low == 0 || nodes[low] <= s) && (high == last || nodes[high + 1] > s);
+    let (low, high) = if within { (low, high) } else { (0, last) };
+    low + nodes[low + 1..=high].partition_point(|&node| node <= s)
 }
 
 impl WireCurve for WireGeometry {

@@ -38,6 +38,6 @@ pub use directors::{DirectorInertia, Directors, WireDirectors};
 pub use drag::WireDrag;
 pub use enrichment::Enrichment;
 pub use force::{Rayleigh, Wire, WireSection};
-pub use geometry::WireGeometry;
+pub use geometry::{WireGeometry, element_between};
 pub use node::{NodeMap, WireNode};
 pub use point::WirePoint;

@@ -264,6 +264,22 @@ fn points_are_exact_at_nodes_and_columns_are_their_derivatives() {
     }
 }
 
+/// The search among few elements finds what one among all does, on lines of any mesh.
+#[test]
+fn elements_are_found_among_any_others() {
+    let even: Vec<f64> = (0..400).map(|node| 0.7 * f64::from(node)).collect();
+    let graded: Vec<f64> = (0..400).map(|node| (0.01 * f64::from(node)).exp()).collect();
+    for nodes in [even, graded, vec![0.0, 2.0], vec![-3.0, 1.0, 1.5, 90.0]] {
+        let last = nodes.len() - 2;
+        let between = nodes.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let beyond = [nodes[0] - 1e6, nodes[last + 1] + 1e6];
+        for s in nodes.iter().copied().chain(between).chain(beyond) {
+            let among_all = nodes[1..=last].iter().filter(|node| **node <= s).count();
+            assert_eq!(element_between(&nodes, s), among_all, "{s}");
+        }
+    }
+}
+
 #[test]
 fn the_border_belongs_to_the_element_that_starts_there() {
     let (wire, _) = spatial();

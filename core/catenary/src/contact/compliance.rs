@@ -3,6 +3,7 @@ use crate::{
     AxialLaw, BendingLaw, Compliance, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry,
     WireSection,
 };
+use ::wire::element_between;
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
@@ -167,8 +168,7 @@ impl ResidualCompliance {
     /// The residual compliance at `s` m.
     #[must_use]
     pub fn at(&self, s: f64) -> Compliance {
-        let last = self.patch.len() - 1;
-        let element = self.starts[1..=last].partition_point(|&start| start <= s);
+        let element = element_between(&self.starts, s);
         let (start, end) = (self.starts[element], self.starts[element + 1]);
         let patch = &self.patches[self.patch[element] as usize];
         let scale = patch.element.length() / (end - start);
