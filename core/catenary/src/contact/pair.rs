@@ -338,9 +338,11 @@ impl StepHistory for ContactPair {
         self.in_step = true;
         self.step = UnilateralStep::new(self.reached, 0.5 * h);
         let frame = self.strip.frame(motion);
+        self.s = self.curve.expect(Some((&frame, self.s))).unwrap_or(self.s);
         let found = self.state_under(&frame, motion);
-        self.curve
-            .expect(found.as_ref().map(|contact| (&frame, contact.geometry.s)));
+        if found.is_none() {
+            self.curve.expect(None);
+        }
         if let Some(contact) = found {
             self.s = contact.geometry.s;
             self.share = contact.share();

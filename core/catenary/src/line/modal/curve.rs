@@ -10,26 +10,58 @@ const COARSE: f64 = 0.015_625;
 /// The same for its end, m: 2⁻³⁰. Strips at the same place along the track have the same place on the wire, whatever
 /// lifts the wire.
 const FINE: f64 = COARSE / 16_777_216.0;
-/// Steps of the search; wires are all but straight over [`COARSE`].
-const SEARCH: usize = 2;
+/// Step of the search behind which no other one is needed, m: wires are all but straight over [`COARSE`].
+const LAST: f64 = 1e-3;
+/// Most steps of the search.
+const SEARCH: usize = 8;
+/// Way from a place over which the wire at rest is a parabola, m: errors are below a picometre.
+const CLOSE: f64 = 5e-5;
 
-/// Parameter on the wire that a contact expects at the end of the present step, m; not a number beyond the wire.
+/// Numbers of a place: its parameter, position, two derivatives of that, compliance and its slope.
+const NUMBERS: usize = 12;
+
+/// Place on the wire at rest that a contact expects at the end of the present step.
 #[derive(Clone, Debug)]
-pub(super) struct Place(Arc<AtomicU64>);
+pub(super) struct Place(Arc<[AtomicU64; NUMBERS]>);
 
 impl Default for Place {
     fn default() -> Self {
-        Self(Arc::new(AtomicU64::new(f64::NAN.to_bits())))
+        Self(Arc::new([(); NUMBERS].map(|()| AtomicU64::new(f64::NAN.to_bits()))))
     }
 }
 
 impl Place {
-    pub fn set(&self, s: f64) {
-        self.0.store(s.to_bits(), Ordering::Relaxed);
+    fn set(&self, s: f64, wire: &dyn WireCurve, rest: &[f64]) {
+        let (point, compliance) = (wire.point(s, rest, rest), wire.compliance(s));
+        let vectors = [point.r, point.r_s, point.r_ss];
+        let vectors = vectors.iter().flat_map(|vector| vector.iter().copied());
+        let numbers = vectors.chain([compliance.value, compliance.slope]);
+        for (own, number) in self.0.iter().zip(std::iter::once(s).chain(numbers)) {
+            own.store(number.to_bits(), Ordering::Relaxed);
+        }
     }
 
+    fn clear(&self) {
+        self.0[0].store(f64::NAN.to_bits(), Ordering::Relaxed);
+    }
+
+    fn number(&self, at: usize) -> f64 {
+        f64::from_bits(self.0[at].load(Ordering::Relaxed))
+    }
+
+    fn vector(&self, first: usize) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| self.number(first + axis))
+    }
+
+    /// Parameter on the wire, m; not a number beyond the wire.
     pub fn get(&self) -> f64 {
-        f64::from_bits(self.0.load(Ordering::Relaxed))
+        self.number(0)
+    }
+
+    /// Way from the place to `s`, m, if that is short.
+    fn close(&self, s: f64) -> Option<f64> {
+        let way = s - self.get();
+        (way.abs() <= CLOSE).then_some(way)
     }
 }
 
@@ -44,7 +76,7 @@ pub(super) struct ModalCurve {
 }
 
 impl ModalCurve {
-    /// Parameter of the wire at rest above a strip, near `s`, m.
+    /// Parameter of the wire at rest above a strip, m, sought from `s`.
     fn above(&self, strip: &Frame, s: f64) -> f64 {
         let along = strip.axes.column(1).cross(&Vector3::z());
         let to = |s: f64, step: f64| ((s / step).round() * step).clamp(0.0, self.wire.length());
@@ -56,6 +88,9 @@ impl ModalCurve {
                 return s;
             }
             place = (place + change).clamp(0.0, self.wire.length());
+            if change.abs() <= LAST {
+                break;
+            }
         }
         to(place, FINE)
     }
@@ -67,7 +102,19 @@ impl WireCurve for ModalCurve {
     }
 
     fn point(&self, s: f64, q: &[f64], v: &[f64]) -> CurvePoint {
-        let mut point = self.wire.point(s, &self.rest, &self.rest);
+        let mut point = match self.place.close(s) {
+            Some(way) => {
+                let [r, r_s, r_ss] = [1, 4, 7].map(|first| self.place.vector(first));
+                CurvePoint {
+                    r: r + way * (r_s + 0.5 * way * r_ss),
+                    r_s: r_s + way * r_ss,
+                    r_ss,
+                    velocity: Vector3::zeros(),
+                    velocity_s: Vector3::zeros(),
+                }
+            }
+            None => self.wire.point(s, &self.rest, &self.rest),
+        };
         point.r.z += q[self.coordinate];
         point.velocity.z += v[self.coordinate];
         point
@@ -78,11 +125,24 @@ impl WireCurve for ModalCurve {
     }
 
     fn compliance(&self, s: f64) -> Compliance {
-        self.wire.compliance(s)
+        match self.place.close(s) {
+            Some(way) => {
+                let [value, slope] = [10, 11].map(|at| self.place.number(at));
+                Compliance {
+                    value: value + way * slope,
+                    slope,
+                }
+            }
+            None => self.wire.compliance(s),
+        }
     }
 
-    fn expect(&self, strip: Option<(&Frame, f64)>) {
+    fn expect(&self, strip: Option<(&Frame, f64)>) -> Option<f64> {
         let place = strip.map(|(strip, s)| self.above(strip, s));
-        self.place.set(place.unwrap_or(f64::NAN));
+        match place {
+            Some(place) => self.place.set(place, &*self.wire, &self.rest),
+            None => self.place.clear(),
+        }
+        place
     }
 }
