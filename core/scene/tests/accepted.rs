@@ -2,7 +2,7 @@
 
 use scene::{
     Algorithm, ContactLaw, Evaluate, Files, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction,
-    Scene, SceneFile, Start, Statics,
+    Scene, SceneFile, Start, Statics, Wire,
 };
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
@@ -424,6 +424,22 @@ fn supports_and_droppers_are_where_the_spans_put_them() {
         (catenary.contact_wire.wave_speed() - 124.5).abs() < 0.05,
         "the printed digits of the wave speed"
     );
+}
+
+#[test]
+fn waves_of_a_wire_obey_its_law() {
+    // A string, a wire that bends, and one that hardly does anything else: m ω² = T k² + EI k⁴ with k = ω/c.
+    for (bending_stiffness, omega) in [(0.0, 500.0), (131.0, 1000.0), (131.0, 1e6)] {
+        let wire = Wire::new(1.35, 2.0e4, 1.7e7, bending_stiffness);
+        let wave_number = omega / wire.phase_speed(omega);
+        let pulled = 2.0e4 * wave_number.powi(2) + bending_stiffness * wave_number.powi(4);
+        assert!(
+            (pulled / (1.35 * omega * omega) - 1.0).abs() < 1e-12,
+            "{bending_stiffness}"
+        );
+    }
+    let string = Wire::new(1.35, 2.0e4, 1.7e7, 0.0);
+    assert!((string.phase_speed(9.0) / string.wave_speed() - 1.0).abs() < 1e-15);
 }
 
 #[test]

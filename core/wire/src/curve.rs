@@ -133,8 +133,8 @@ pub trait WireCurve: Send + Sync {
         Compliance::default()
     }
 
-    /// Takes in where a strip will be at the end of a step that begins, with the parameter of the last closest point, m;
-    /// none beyond the ends of the curve. Returns a parameter near the coming closest point if it is known.
+    /// Takes in where a strip will be at the end of a step that begins, with the parameter of the last closest point,
+    /// m; none beyond the ends of the curve. Returns a parameter near the coming closest point if it is known.
     fn expect(&self, strip: Option<(&Frame, f64)>) -> Option<f64> {
         let _ = strip;
         None

@@ -8,8 +8,8 @@ use pulp::{Arch, Simd, WithSimd};
 /// Numbers that are summed side by side.
 pub const LANES: usize = 32;
 
-/// Rows that are added in one pass.
-pub const TOGETHER: usize = 4;
+/// Rows that are taken in one pass.
+const TOGETHER: usize = 4;
 
 /// `Σ a b` in double precision.
 pub fn dot(arch: Arch, a: &[f32], b: &[f64]) -> f64 {
@@ -31,70 +31,92 @@ pub fn dot(arch: Arch, a: &[f32], b: &[f64]) -> f64 {
     arch.dispatch(Dot(a, b))
 }
 
-/// Parts of a sum in single precision.
-pub type Parts = [f32; LANES];
-
-/// The sum.
-#[must_use]
+/// Sum of parts in single precision.
 #[inline]
-pub fn sum(parts: &Parts) -> f64 {
-    parts.iter().map(|part| f64::from(*part)).sum()
+fn sum(mut parts: [f32; LANES]) -> f64 {
+    let mut count = LANES;
+    while count > 8 {
+        count /= 2;
+        for k in 0..count {
+            parts[k] += parts[k + count];
+        }
+    }
+    parts[..count].iter().map(|part| f64::from(*part)).sum()
 }
 
 /// `Σ a b` for each `b`, in single precision.
 #[must_use]
 pub fn dots<const N: usize>(arch: Arch, a: &[f32], b: [&[f32]; N]) -> [f64; N] {
-    let mut parts = [[0.0; LANES]; N];
-    add_dots(arch, [a], b, [&mut parts]);
-    parts.map(|parts| sum(&parts))
+    let [[sums]] = dots_of_rows(arch, [a], [b]);
+    sums
 }
 
-/// Adds `a b` of some modes to parts of `Σ a b`, for each row `a` and each `b`.
-pub fn add_dots<const R: usize, const N: usize>(
+/// `Σ a b` for each row `a`, and each `b` of each of `L` lines, in single precision.
+#[must_use]
+pub fn dots_of_rows<const R: usize, const L: usize, const N: usize>(
     arch: Arch,
     rows: [&[f32]; R],
-    b: [&[f32]; N],
-    parts: [&mut [Parts; N]; R],
-) {
-    struct Dots<'a, const R: usize, const N: usize>([&'a [f32]; R], [&'a [f32]; N], [&'a mut [Parts; N]; R]);
-    impl<const R: usize, const N: usize> WithSimd for Dots<'_, R, N> {
-        type Output = ();
+    b: [[&[f32]; N]; L],
+) -> [[[f64; N]; L]; R] {
+    struct Dots<'a, const R: usize, const L: usize, const N: usize>([&'a [f32]; R], [[&'a [f32]; N]; L]);
+    impl<const R: usize, const L: usize, const N: usize> WithSimd for Dots<'_, R, L, N> {
+        type Output = [[[f64; N]; L]; R];
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            let Self(rows, b, parts) = self;
-            // Registers of the parts are taken in pairs, which the largest processors hold at once.
-            let every = LANES / S::F32_LANES / 2;
-            let len = S::as_simd_f32s(rows[0]).0.len() / 2;
-            let rows = rows.map(|row| &S::as_simd_f32s(row).0.as_chunks::<2>().0[..len]);
-            let b = b.map(|b| &S::as_simd_f32s(b).0.as_chunks::<2>().0[..len]);
-            for first in 0..every {
-                let mut sums = [[[simd.splat_f32s(0.0); 2]; N]; R];
-                for r in 0..R {
-                    for n in 0..N {
-                        sums[r][n] = S::as_simd_f32s(&parts[r][n]).0.as_chunks::<2>().0[first];
-                    }
-                }
-                let mut at = first;
-                while at < len {
-                    for n in 0..N {
-                        let [low, high] = b[n][at];
-                        for r in 0..R {
-                            let ([of_low, of_high], row) = (&mut sums[r][n], rows[r][at]);
-                            *of_low = simd.add_f32s(*of_low, simd.mul_f32s(row[0], low));
-                            *of_high = simd.add_f32s(*of_high, simd.mul_f32s(row[1], high));
-                        }
-                    }
-                    at += every;
-                }
-                for r in 0..R {
-                    for n in 0..N {
-                        S::as_mut_simd_f32s(&mut parts[r][n]).0.as_chunks_mut::<2>().0[first] = sums[r][n];
-                    }
-                }
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            // The largest processors hold the parts of eight sums in registers twice over.
+            if R * L * N > 8 {
+                dots_in_registers::<S, R, L, N, 1>(simd, self.0, self.1)
+            } else {
+                dots_in_registers::<S, R, L, N, 2>(simd, self.0, self.1)
             }
         }
     }
-    arch.dispatch(Dots(rows, b, parts));
+    arch.dispatch(Dots(rows, b))
+}
+
+/// See [`dots_of_rows`]; parts of each sum are taken in groups of `W` registers.
+#[inline(always)]
+fn dots_in_registers<S: Simd, const R: usize, const L: usize, const N: usize, const W: usize>(
+    simd: S,
+    rows: [&[f32]; R],
+    b: [[&[f32]; N]; L],
+) -> [[[f64; N]; L]; R] {
+    let mut parts = [[[[0.0_f32; LANES]; N]; L]; R];
+    let len = S::as_simd_f32s(rows[0]).0.len() / W;
+    let registers = |row| &S::as_simd_f32s(row).0.as_chunks::<W>().0[..len];
+    let (rows, b) = (rows.map(registers), b.map(|b| b.map(registers)));
+    let every = LANES / S::F32_LANES / W;
+    for first in 0..every {
+        let mut sums = [[[[simd.splat_f32s(0.0); W]; N]; L]; R];
+        let mut at = first;
+        while at < len {
+            for l in 0..L {
+                for n in 0..N {
+                    for r in 0..R {
+                        for w in 0..W {
+                            let product = simd.mul_f32s(rows[r][at][w], b[l][n][at][w]);
+                            sums[r][l][n][w] = simd.add_f32s(sums[r][l][n][w], product);
+                        }
+                    }
+                }
+            }
+            at += every;
+        }
+        for (parts, sums) in parts
+            .as_flattened_mut()
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(sums.as_flattened().as_flattened())
+        {
+            S::as_mut_simd_f32s(parts).0.as_chunks_mut::<W>().0[first] = *sums;
+        }
+    }
+    let mut all = [[[0.0; N]; L]; R];
+    let sums = all.as_flattened_mut().as_flattened_mut().iter_mut();
+    for (all, parts) in sums.zip(parts.as_flattened().as_flattened()) {
+        *all = sum(*parts);
+    }
+    all
 }
 
 /// Products of all entries.
@@ -113,87 +135,109 @@ pub fn products(arch: Arch, a: &[f32], b: &[f32], products: &mut [f32]) {
     arch.dispatch(Products([a, b], products));
 }
 
-/// Rows with their weights, four at a time; the last ones are filled up with rows of no weight.
-fn groups<'a, W: Copy + Default>(rows: &'a [(W, &'a [f32])]) -> impl Iterator<Item = [(W, &'a [f32]); TOGETHER]> + 'a {
-    let group = |group: &'a [(W, &'a [f32])]| {
-        std::array::from_fn(|k| group.get(k).copied().unwrap_or((W::default(), group[0].1)))
-    };
-    rows.chunks(TOGETHER).map(group)
+/// A row and its weight for each of `L` lines.
+type Term<'a, const L: usize> = (&'a [f32], [f32; L]);
+
+/// `y = Σ α x` over all rows `x` for each `y`, whose weights `α` are its own.
+pub fn weigh<'a, const L: usize>(
+    arch: Arch,
+    terms: impl Iterator<Item = (&'a [f32], [f64; L])>,
+    mut y: [&mut [f32]; L],
+) {
+    let mut some: [Term<'_, L>; TOGETHER] = [(&[], [0.0; L]); TOGETHER];
+    let (mut count, mut more) = (0, false);
+    for (row, weights) in terms {
+        some[count] = (row, weights.map(|weight| weight as f32));
+        count += 1;
+        if count == TOGETHER {
+            weigh_rows::<TOGETHER, L>(arch, &some, &mut y, more);
+            (count, more) = (0, true);
+        }
+    }
+    match count {
+        1 => weigh_rows::<1, L>(arch, &some, &mut y, more),
+        2 => weigh_rows::<2, L>(arch, &some, &mut y, more),
+        3 => weigh_rows::<3, L>(arch, &some, &mut y, more),
+        _ if !more => y.iter_mut().for_each(|y| y.fill(0.0)),
+        _ => {}
+    }
 }
 
-/// `y += Σ α x` over rows.
-pub fn add(arch: Arch, rows: &[(f32, &[f32])], y: &mut [f32]) {
-    struct Add<'a>([(f32, &'a [f32]); TOGETHER], &'a mut [f32]);
-    impl WithSimd for Add<'_> {
+/// See [`weigh`], for the first `R` rows; added to what is there if `more`.
+fn weigh_rows<const R: usize, const L: usize>(
+    arch: Arch,
+    terms: &[Term<'_, L>; TOGETHER],
+    y: &mut [&mut [f32]; L],
+    more: bool,
+) {
+    struct Weigh<'a, const R: usize, const L: usize>([&'a [f32]; R], [[f32; L]; R], [&'a mut [f32]; L], bool);
+    impl<const R: usize, const L: usize> WithSimd for Weigh<'_, R, L> {
         type Output = ();
         #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let Self(rows, y) = self;
-            let len = y.len();
-            let [a, b, c, d] = rows.map(|(_, row)| &row[..len]);
-            let n = rows.map(|(weight, _)| weight);
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(rows, weights, y, more) = self;
+            let y = y.map(|y| S::as_mut_simd_f32s(y).0);
+            let len = y.iter().map(|y| y.len()).min().unwrap_or(0);
+            let y = y.map(|y| &mut y[..len]);
+            let rows = rows.map(|row| &S::as_simd_f32s(row).0[..len]);
+            let weights = weights.map(|weights| weights.map(|weight| simd.splat_f32s(weight)));
             for k in 0..len {
-                y[k] += (n[0] * a[k] + n[1] * b[k]) + (n[2] * c[k] + n[3] * d[k]);
+                for l in 0..L {
+                    let mut sum = simd.mul_f32s(weights[0][l], rows[0][k]);
+                    for r in 1..R {
+                        sum = simd.add_f32s(sum, simd.mul_f32s(weights[r][l], rows[r][k]));
+                    }
+                    y[l][k] = if more { simd.add_f32s(y[l][k], sum) } else { sum };
+                }
             }
         }
     }
-    groups(rows).for_each(|rows| arch.dispatch(Add(rows, y)));
+    let (rows, weights) = (std::array::from_fn(|r| terms[r].0), std::array::from_fn(|r| terms[r].1));
+    let y = y.each_mut().map(|y| &mut **y);
+    arch.dispatch(Weigh::<R, L>(rows, weights, y, more));
 }
 
-/// Deflections of all modes at a point and their slopes, from rows with their weights in both.
-pub fn shape(arch: Arch, rows: &[([f32; 2], &[f32])], at: &mut [f32], slope: &mut [f32]) {
-    struct Shape<'a, const FIRST: bool>([([f32; 2], &'a [f32]); TOGETHER], [&'a mut [f32]; 2]);
-    impl<const FIRST: bool> WithSimd for Shape<'_, FIRST> {
+/// Modal motion of one line in a step.
+pub struct Motions<'a> {
+    /// `q`, `v` and the force `r` at its begin.
+    pub begin: [&'a [f32]; 3],
+    /// The force at its end as far as it is known, and its bend: minus the second derivative within the step.
+    pub forces: [&'a [f32]; 2],
+    /// `q` and `v` at the end.
+    pub end: [&'a mut [f32]; 2],
+}
+
+/// Moves lines on by one step under known forces.
+pub fn free<const L: usize>(arch: Arch, factors: Factors<'_>, lines: [Motions<'_>; L]) {
+    struct Free<'a, const L: usize>(Factors<'a>, [Motions<'a>; L]);
+    impl<const L: usize> WithSimd for Free<'_, L> {
         type Output = ();
         #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let Self(rows, [at, slope]) = self;
-            let len = at.len();
-            let ([a, b, c, d], slope) = (rows.map(|(_, row)| &row[..len]), &mut slope[..len]);
-            let [n, m] = [0, 1].map(|which| rows.map(|(weights, _)| weights[which]));
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(f, lines) = self;
+            let len = S::as_simd_f32s(f.qq).0.len();
+            let row = |row| &S::as_simd_f32s(row).0[..len];
+            let of_q = [f.qq, f.qv, f.q0, f.q1, f.qb].map(row);
+            let of_v = [f.vq, f.vv, f.v0, f.v1, f.vb].map(row);
+            let mut lines = lines.map(|line| {
+                let ([q, v, r], [known, bend]) = (line.begin, line.forces);
+                let end = line.end.map(|end| &mut S::as_mut_simd_f32s(end).0[..len]);
+                ([q, v, r, known, bend].map(row), end)
+            });
             for k in 0..len {
-                let by_rows = (n[0] * a[k] + n[1] * b[k]) + (n[2] * c[k] + n[3] * d[k]);
-                let slope_by_rows = (m[0] * a[k] + m[1] * b[k]) + (m[2] * c[k] + m[3] * d[k]);
-                (at[k], slope[k]) = if FIRST {
-                    (by_rows, slope_by_rows)
-                } else {
-                    (at[k] + by_rows, slope[k] + slope_by_rows)
-                };
+                for (begin, end) in &mut lines {
+                    let mut change = [simd.splat_f32s(0.0); 2];
+                    for n in 0..5 {
+                        change[0] = simd.add_f32s(change[0], simd.mul_f32s(of_q[n][k], begin[n][k]));
+                        change[1] = simd.add_f32s(change[1], simd.mul_f32s(of_v[n][k], begin[n][k]));
+                    }
+                    end[0][k] = simd.add_f32s(begin[0][k], change[0]);
+                    end[1][k] = simd.add_f32s(begin[1][k], change[1]);
+                }
             }
         }
     }
-    let mut groups = groups(rows);
-    match groups.next() {
-        Some(rows) => arch.dispatch(Shape::<true>(rows, [at, slope])),
-        None => {
-            at.fill(0.0);
-            slope.fill(0.0);
-        }
-    }
-    groups.for_each(|rows| arch.dispatch(Shape::<false>(rows, [at, slope])));
-}
-
-/// Modal motion `q`, `v` under the force `r`, moved on by one step with the force `known` at its end.
-pub fn free(arch: Arch, factors: Factors<'_>, motion: [&[f32]; 3], known: &[f32], ends: [&mut [f32]; 2]) {
-    struct Free<'a>(Factors<'a>, [&'a [f32]; 4], [&'a mut [f32]; 2]);
-    impl WithSimd for Free<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let f = self.0;
-            let n = f.qq.len();
-            let [q, v, r, known] = self.1.map(|values| &values[..n]);
-            let [qq, qv, q0, q1] = [f.qq, f.qv, f.q0, f.q1].map(|values| &values[..n]);
-            let [vq, vv, v0, v1] = [f.vq, f.vv, f.v0, f.v1].map(|values| &values[..n]);
-            let [q_end, v_end] = self.2.map(|values| &mut values[..n]);
-            for k in 0..n {
-                q_end[k] = q[k] + ((qq[k] * q[k] + qv[k] * v[k]) + (q0[k] * r[k] + q1[k] * known[k]));
-                v_end[k] = v[k] + ((vq[k] * q[k] + vv[k] * v[k]) + (v0[k] * r[k] + v1[k] * known[k]));
-            }
-        }
-    }
-    let [q, v, r] = motion;
-    arch.dispatch(Free(factors, [q, v, r, known], ends));
+    arch.dispatch(Free(factors, lines));
 }
 
 /// Point that moves along the line: modal forces `φ F` of a force `F` at it, in a step from `(φ₀, φ₀′)` to `(φ₁, φ₁′)`.
@@ -208,94 +252,69 @@ pub struct Passing<'a> {
     pub rates: [f32; 2],
 }
 
-/// Motion `q` and `v` at the end of a step by a unit force there at a point that moves, and the bend `c₀` of the modal
-/// force that a unit force at the begin makes by the move, for [`add_bend`], as `φ₁ (2 F₀ − F₋₁)/h²`.
-pub fn pass(arch: Arch, factors: Factors<'_>, point: Passing<'_>, by_force: [&mut [f32]; 2], bend: &mut [f32]) {
-    struct Pass<'a>(Factors<'a>, Passing<'a>, [&'a mut [f32]; 2], &'a mut [f32]);
+/// Bend of the modal force by a unit force at the begin of the step at a point that moves, `c₀`, and its second
+/// derivative by one at the end, `c₁ + φ₁/h²`; and the motion `q` and `v` that the force at the end makes.
+pub fn pass(arch: Arch, factors: Factors<'_>, point: Passing<'_>, bends: [&mut [f32]; 2], by_force: [&mut [f32]; 2]) {
+    struct Pass<'a>(Factors<'a>, Passing<'a>, [&'a mut [f32]; 2], [&'a mut [f32]; 2]);
     impl WithSimd for Pass<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(f, point, by_force, bend) = self;
+            let Self(f, point, bends, by_force) = self;
             let n = f.q1.len();
             let [before, slope_before, now, slope_now] = point.shapes.map(|values| &values[..n]);
             let [q1, v1, qb, vb] = [f.q1, f.v1, f.qb, f.vb].map(|values| &values[..n]);
-            let ([q, v], bend) = (by_force.map(|values| &mut values[..n]), &mut bend[..n]);
+            let [begin, end] = bends.map(|values| &mut values[..n]);
+            let [q, v] = by_force.map(|values| &mut values[..n]);
             let [along, change] = point.rates;
             for k in 0..n {
                 let difference = (now[k] - before[k]) * change;
-                let there = slope_now[k] * along + (now[k] * change + difference);
-                q[k] = q1[k] * now[k] - qb[k] * there;
-                v[k] = v1[k] * now[k] - vb[k] * there;
-                bend[k] = slope_before[k] * along + difference;
+                begin[k] = slope_before[k] * along + difference;
+                end[k] = slope_now[k] * along + (now[k] * change + difference);
+                q[k] = q1[k] * now[k] - qb[k] * end[k];
+                v[k] = v1[k] * now[k] - vb[k] * end[k];
             }
         }
     }
-    arch.dispatch(Pass(factors, point, by_force, bend));
+    arch.dispatch(Pass(factors, point, bends, by_force));
 }
 
-/// Motion at the end of a step, from that under the force `known` there and the force `r` besides, which becomes the
-/// sum of both.
-pub fn finish(arch: Arch, factors: Factors<'_>, [known, q_free, v_free]: [&[f32]; 3], [r, q, v]: [&mut [f32]; 3]) {
-    struct Finish<'a>(Factors<'a>, [&'a [f32]; 3], [&'a mut [f32]; 3]);
-    impl WithSimd for Finish<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let n = self.0.q1.len();
-            let (q1, v1) = (&self.0.q1[..n], &self.0.v1[..n]);
-            let [known, q_free, v_free] = self.1.map(|values| &values[..n]);
-            let [r, q, v] = self.2.map(|values| &mut values[..n]);
-            for k in 0..n {
-                (q[k], v[k]) = (q_free[k] + q1[k] * r[k], v_free[k] + v1[k] * r[k]);
-                r[k] += known[k];
-            }
-        }
-    }
-    arch.dispatch(Finish(factors, [known, q_free, v_free], [r, q, v]));
+/// Modal motion of one line at the end of a step.
+pub struct Ending<'a> {
+    /// A force there, and its bend within the step.
+    pub forces: [&'a [f32]; 2],
+    /// `q`, `v` and the force `r` without these.
+    pub end: [&'a mut [f32]; 3],
 }
 
-/// Adds a force `force` at a point to modal forces and to what they make: `r += φ F`, `q += q₁ F`, `v += v₁ F`.
-pub fn add_answer(arch: Arch, force: f32, answer: [&[f32]; 3], ends: [&mut [f32]; 3]) {
-    struct AddAnswer<'a>(f32, [&'a [f32]; 3], [&'a mut [f32]; 3]);
-    impl WithSimd for AddAnswer<'_> {
+/// Adds forces to the motions of lines at the end of a step.
+pub fn finish<const L: usize>(arch: Arch, factors: Factors<'_>, lines: [Ending<'_>; L]) {
+    struct Finish<'a, const L: usize>(Factors<'a>, [Ending<'a>; L]);
+    impl<const L: usize> WithSimd for Finish<'_, L> {
         type Output = ();
         #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let Self(force, answer, ends) = self;
-            let n = ends[0].len();
-            let [shape, by_q, by_v] = answer.map(|values| &values[..n]);
-            let [r, q, v] = ends.map(|values| &mut values[..n]);
-            for k in 0..n {
-                r[k] += force * shape[k];
-                q[k] += force * by_q[k];
-                v[k] += force * by_v[k];
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(f, lines) = self;
+            let len = S::as_simd_f32s(f.q1).0.len();
+            let row = |row| &S::as_simd_f32s(row).0[..len];
+            let [q1, v1, qb, vb] = [f.q1, f.v1, f.qb, f.vb].map(row);
+            let mut lines = lines.map(|line| {
+                let end = line.end.map(|values| &mut S::as_mut_simd_f32s(values).0[..len]);
+                (line.forces.map(row), end)
+            });
+            for k in 0..len {
+                for (forces, [q, v, r]) in &mut lines {
+                    let (force, bend) = (forces[0][k], forces[1][k]);
+                    let change =
+                        |by_force, by_bend| simd.add_f32s(simd.mul_f32s(by_force, force), simd.mul_f32s(by_bend, bend));
+                    q[k] = simd.add_f32s(q[k], change(q1[k], qb[k]));
+                    v[k] = simd.add_f32s(v[k], change(v1[k], vb[k]));
+                    r[k] = simd.add_f32s(r[k], force);
+                }
             }
         }
     }
-    arch.dispatch(AddAnswer(force, answer, ends));
-}
-
-/// Adds what modal forces with the second derivative `−b`, `b = Σ w bend`, change in a step: `q += q_b b`,
-/// `v += v_b b`.
-pub fn add_bend<const N: usize>(arch: Arch, factors: Factors<'_>, bends: [(f32, &[f32]); N], ends: [&mut [f32]; 2]) {
-    struct AddBend<'a, const N: usize>(Factors<'a>, [(f32, &'a [f32]); N], [&'a mut [f32]; 2]);
-    impl<const N: usize> WithSimd for AddBend<'_, N> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let n = self.0.qb.len();
-            let (qb, vb) = (self.0.qb, &self.0.vb[..n]);
-            let bends = self.1.map(|(w, bend)| (w, &bend[..n]));
-            let [q, v] = self.2.map(|values| &mut values[..n]);
-            for k in 0..n {
-                let bend: f32 = bends.iter().map(|(w, bend)| w * bend[k]).sum();
-                q[k] += qb[k] * bend;
-                v[k] += vb[k] * bend;
-            }
-        }
-    }
-    arch.dispatch(AddBend(factors, bends, ends));
+    arch.dispatch(Finish(factors, lines));
 }
 
 #[cfg(test)]
@@ -315,24 +334,48 @@ mod tests {
         let [mut q, mut v, mut r] = [zeros; 3];
         for step in 0..steps {
             let ([before, slope_before], [now, slope_now]) = (shape(step), shape(step + 1));
-            let [mut q_free, mut v_free, mut by_q, mut by_v] = [zeros; 4];
-            let factors = factors.of(0..LANES);
-            free(arch, factors, [&q, &v, &r], &zeros, [&mut q_free, &mut v_free]);
+            let [[mut by_begin, mut by_end], [mut by_q, mut by_v], [mut q_end, mut v_end]] = [[zeros; 2]; 3];
+            let (factors, per_step) = (factors.of(0..LANES), (1.0 / (h * h)) as f32);
             let passing = Passing {
                 shapes: [&before, &slope_before, &now, &slope_now],
-                rates: [turn / h, 1.0 / (h * h)].map(|rate| rate as f32),
+                rates: [(turn / h) as f32, per_step],
             };
-            let mut bend = zeros;
-            pass(arch, factors, passing, [&mut by_q, &mut by_v], &mut bend);
-            add_bend(
+            pass(
                 arch,
                 factors,
-                [(1.0, &bend), ((1.0 / (h * h)) as f32, &now)],
-                [&mut q_free, &mut v_free],
+                passing,
+                [&mut by_begin, &mut by_end],
+                [&mut by_q, &mut by_v],
             );
+            // A force of 1 N all the time: `c₀ F₀ + φ₁ (2 F₀ − F₋₁)/h²` is known, `c₁ F₁ + φ₁ F₁/h²` is of the end.
+            let mut known = zeros;
+            weigh(
+                arch,
+                [(&by_begin[..], [1.0]), (&now, [f64::from(per_step)])].into_iter(),
+                [&mut known],
+            );
+            let begin = Motions {
+                begin: [&q, &v, &r],
+                forces: [&zeros, &known],
+                end: [&mut q_end, &mut v_end],
+            };
+            free(arch, factors, [begin]);
+            let mut of_end = zeros;
+            weigh(arch, [(&by_end[..], [-1.0])].into_iter(), [&mut of_end]);
+            let ([q_free, v_free], [q_answer, v_answer]) = ([q_end[0], v_end[0]], [by_q[0], by_v[0]]);
             r = zeros;
-            finish(arch, factors, [&zeros, &q_free, &v_free], [&mut r, &mut q, &mut v]);
-            add_answer(arch, 1.0, [&now, &by_q, &by_v], [&mut r, &mut q, &mut v]);
+            let ending = Ending {
+                forces: [&now, &of_end],
+                end: [&mut q_end, &mut v_end, &mut r],
+            };
+            finish(arch, factors, [ending]);
+            (q, v) = (q_end, v_end);
+            for (end, sum) in [(q[0], q_free + q_answer), (v[0], v_free + v_answer)] {
+                assert!(
+                    (end - sum).abs() < 1e-5 * (1e-4 + end.abs()),
+                    "the answer by itself: {end} {sum}"
+                );
+            }
         }
         f64::from(q[0])
     }
@@ -352,13 +395,12 @@ mod tests {
     fn a_bend_is_the_second_derivative_of_a_force() {
         let (omega, h, bend) = (70.0_f64, 0.02, -3.0_f64);
         let (arch, factors) = (Arch::new(), StepFactors::new(&[omega * omega; LANES], &[0.0; LANES], h));
-        let (mut q, mut v) = ([0.0; LANES], [0.0; LANES]);
-        add_bend(
-            arch,
-            factors.of(0..LANES),
-            [(0.25, &[bend as f32; LANES]), (0.75, &[bend as f32; LANES])],
-            [&mut q, &mut v],
-        );
+        let [mut q, mut v, mut r] = [[0.0; LANES]; 3];
+        let ending = Ending {
+            forces: [&[0.0; LANES], &[bend as f32; LANES]],
+            end: [&mut q, &mut v, &mut r],
+        };
+        finish(arch, factors.of(0..LANES), [ending]);
         // ½ τ (h − τ) bend from rest: q = particular solution and free motion.
         let (cos, sin) = ((omega * h).cos(), (omega * h).sin());
         let rest = bend / omega.powi(4);
@@ -366,5 +408,36 @@ mod tests {
         let v_end = -0.5 * bend * h / omega.powi(2) + rest * omega * sin - 0.5 * bend * h / omega.powi(2) * cos;
         assert!((f64::from(q[0]) / q_end - 1.0).abs() < 1e-5, "{} {q_end}", q[0]);
         assert!((f64::from(v[0]) / v_end - 1.0).abs() < 1e-5, "{} {v_end}", v[0]);
+    }
+
+    #[test]
+    fn sums_and_weighted_rows_are_those_of_double_precision_for_any_number_of_lines() {
+        let modes = 3 * LANES;
+        let row = |seed: f32| (0..modes).map(|k| (seed * (k as f32 + 0.5)).sin()).collect::<Vec<_>>();
+        let (rows, ends) = ([0.3, 0.7, 1.1].map(row), [1.9, 2.3, 2.9, 3.1].map(row));
+        let rows = rows.each_ref().map(|row| &row[..]);
+        let [a, b, c, d] = ends.each_ref().map(|end| &end[..]);
+        let arch = Arch::new();
+        let exact = |a: &[f32], b: &[f32]| -> f64 { a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum() };
+        let both = dots_of_rows(arch, rows, [[a, b], [c, d]]);
+        for (row, sums) in rows.iter().zip(both) {
+            for (sum, end) in sums.as_flattened().iter().zip([a, b, c, d]) {
+                assert!((sum - exact(row, end)).abs() < 1e-5, "{sum}");
+            }
+            // A line has the same bits by itself.
+            assert_eq!([dots(arch, row, [a, b]), dots(arch, row, [c, d])], sums);
+        }
+        let weights = [[0.5, -2.0], [3.0, 0.25], [-1.5, 1.0]];
+        for count in 0..=7 {
+            let terms = || (0..count).map(|n| (rows[n % 3], weights[n % 3]));
+            let [mut one, mut other, mut alone] = [(); 3].map(|()| vec![f32::NAN; modes]);
+            weigh(arch, terms(), [&mut one, &mut other]);
+            weigh(arch, terms().map(|(row, [_, weight])| (row, [weight])), [&mut alone]);
+            assert_eq!(other, alone);
+            for k in 0..modes {
+                let exact: f64 = terms().map(|(row, [weight, _])| weight * f64::from(row[k])).sum();
+                assert!((f64::from(one[k]) - exact).abs() < 1e-5, "{count} rows");
+            }
+        }
     }
 }

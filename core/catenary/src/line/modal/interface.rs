@@ -74,8 +74,10 @@ pub(super) struct Interface {
     /// Deflections of modes left out at the end of the last step, m.
     residual: Vec<f64>,
     steps: usize,
-    /// Way from each dropper and support to the next strip, m.
-    ways: Vec<f64>,
+    /// Room for places of strips under the wire, m, and for droppers whose turn it is, and loose ones.
+    on: Vec<f64>,
+    in_turn: Vec<usize>,
+    loose: Vec<usize>,
     /// Modes up to [`DRAWN`].
     drawn: usize,
     /// Change of the forces with the deflections of the points, N/m, row by row; and what the factored matrix has.
@@ -123,7 +125,9 @@ impl Interface {
             rates: vec![0.0; contacts],
             residual: vec![0.0; contacts],
             steps: 0,
-            ways: vec![f64::INFINITY; modes.borrowed.len()],
+            on: Vec::with_capacity(contacts),
+            in_turn: Vec::with_capacity(modes.droppers()),
+            loose: Vec::with_capacity(modes.droppers()),
             drawn: drawn.next_multiple_of(LANES).min(modes.count()),
             assembled: slope.clone(),
             coordinates: points.iter().map(|point| point.coordinate).collect(),
@@ -198,43 +202,60 @@ impl Interface {
         self.modes.at_rest[dropper] + self.modes.law.stiffness * elongation + damper * rate
     }
 
-    /// Chooses the droppers and supports near the strips, slack droppers, and in turn the others, to be looked at.
+    /// Chooses what to look at: droppers and supports near the strips, droppers whose turn it is, and loose ones.
     fn choose_watched(&mut self) {
-        self.ways.fill(f64::INFINITY);
-        let points = self
-            .lane
-            .as_deref()
-            .and_then(Lane::pass)
-            .map_or(&[][..], |pass| &pass.points);
-        for point in points.iter().filter(|point| point.on) {
-            let joints = self.modes.dropper_x.iter().chain(&self.modes.support_x);
-            for (way, x) in self.ways.iter_mut().zip(joints) {
-                *way = way.min((point.x - x).abs());
-            }
-        }
-        let droppers = self.modes.droppers();
-        let mut watched = std::mem::take(&mut self.lane_mut().watched);
-        watched.clear();
-        watched.extend((0..self.ways.len()).filter(|joint| self.ways[*joint] < REACH));
-        self.lane_mut().near = watched.len();
+        let lane = self.lane.as_deref_mut().expect(HERE);
+        let mut watched = std::mem::take(&mut lane.watched);
+        let points = lane.pass().map_or(&[][..], |pass| &pass.points);
+        self.on.clear();
+        let on = points.iter().filter(|point| point.on);
+        self.on.extend(on.map(|point| point.x));
+        let way = |x: f64| {
+            let ways = self.on.iter().map(|point| (point - x).abs());
+            ways.fold(f64::INFINITY, f64::min)
+        };
         let often = (OFTEN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;
-        for (joint, way) in self.ways.iter().enumerate().filter(|(_, way)| **way >= REACH) {
-            self.joint_rates[joint] = f64::NAN;
-            if joint >= droppers {
+        let all = self.step.h == 0.0;
+        // Turns of the coming dropper, counted on.
+        let mut turns = [often, IN_TURN].map(|every| self.steps % every);
+        watched.clear();
+        self.in_turn.clear();
+        self.loose.clear();
+        for (dropper, x) in self.modes.dropper_x.iter().enumerate() {
+            let [is_often, is_seldom] = turns.map(|turn| turn == 0);
+            turns = [
+                if turns[0] + 1 == often { 0 } else { turns[0] + 1 },
+                (turns[1] + 1) % IN_TURN,
+            ];
+            let way = way(*x);
+            if way < REACH {
+                watched.push(dropper);
                 continue;
             }
-            let every = if *way < SWING { often } else { IN_TURN };
-            let in_turn = self.lacks(joint) > 0.0
-                || self.lacking.tension(joint) < LOOSE
-                || (joint + self.steps).is_multiple_of(every)
-                || self.step.h == 0.0;
+            self.joint_rates[dropper] = f64::NAN;
+            let in_turn = all || if way < SWING { is_often } else { is_seldom };
             if in_turn {
-                watched.push(joint);
-            } else {
-                self.lacking.leave_out(joint);
+                self.in_turn.push(dropper);
+            }
+            if self.lacking.tension(dropper) < LOOSE {
+                self.loose.push(dropper);
+            } else if !in_turn {
+                self.lacking.leave_out(dropper);
             }
         }
-        self.lane_mut().watched = watched;
+        for (joint, x) in (self.modes.droppers()..).zip(&self.modes.support_x) {
+            if way(*x) < REACH {
+                watched.push(joint);
+            } else {
+                self.joint_rates[joint] = f64::NAN;
+            }
+        }
+        let near = watched.len();
+        watched.extend_from_slice(&self.in_turn);
+        let in_turn = watched.len();
+        watched.extend_from_slice(&self.loose);
+        let lane = self.lane_mut();
+        (lane.watched, lane.near, lane.in_turn) = (watched, near, in_turn);
     }
 
     /// Looks at the chosen droppers and supports. Prepares the forces that take back the dampers of
@@ -245,7 +266,9 @@ impl Interface {
         for at in 0..self.lane().watched.len() {
             let (joint, motion) = (self.lane().watched[at], self.lane().motions[at]);
             let own = (joint < self.modes.droppers()).then_some(joint);
-            if let Some(dropper) = own {
+            // Loose droppers whose turn it is are there twice, the second time with their rates.
+            let again = at >= self.lane().near && at < self.lane().in_turn && self.loose.binary_search(&joint).is_ok();
+            if let Some(dropper) = own.filter(|_| !again) {
                 let tension = self.spring(dropper, motion, self.modes.law.damping);
                 self.lacking.look_at(dropper, tension);
             }
@@ -255,9 +278,10 @@ impl Interface {
             let [_, rate] = motion;
             let before = std::mem::replace(&mut self.joint_rates[joint], rate);
             let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
-            if taut && self.step.h > 0.0 {
+            if self.step.h > 0.0 {
                 let ahead = if before.is_nan() { rate } else { 2.0 * rate - before };
-                repaying.push((joint, self.modes.borrowed[joint] * ahead));
+                let damper = if taut { self.modes.borrowed[joint] } else { 0.0 };
+                repaying.push((joint, damper * ahead));
             }
         }
         self.lane_mut().repaying = repaying;

@@ -28,6 +28,7 @@
 //! pass       strips under the wire in one step, for all lines alike
 //! curve      the contact wire under one strip
 //! store      modes found before
+//! together   moves of lines with strips at the same places
 //! packed     rows of them as bytes
 //! ```
 mod base;
@@ -40,6 +41,7 @@ mod packed;
 mod pass;
 mod slack;
 mod store;
+mod together;
 
 use crate::line::Uplift;
 use crate::{
@@ -66,9 +68,11 @@ const LEFT_OUT: f64 = 60.0;
 /// Share of the error of the mesh that the modes left out may add: both are independent, so that their squares add up.
 const SHARE: f64 = 0.7;
 
-/// Error of the mesh up to which modes are counted by it, % of the standard deviation: on coarser meshes the line is
-/// still the linearised one.
+/// Error of the mesh up to which modes are counted by it, % of the standard deviation.
 const MOST: f64 = 1.0;
+/// The one that they are counted by on coarser meshes, where the line is still the linearised one: waves are too stiff
+/// there, and the same waves have higher frequencies.
+const COARSE: f64 = 0.65;
 
 /// A line in its own modes.
 pub struct ModalLine {
@@ -112,8 +116,8 @@ impl ModalLine {
         Ok(Self::under(&base, slowest, scene.strip_count(), layout))
     }
 
-    /// The line under `strips` strips; one coordinate per strip and contact wire joins `layout`. Waves of modes left out
-    /// go along contact wires with the `slowest` phase speed or faster, m/s.
+    /// The line under `strips` strips; one coordinate per strip and contact wire joins `layout`. Waves of modes left
+    /// out go along contact wires with the `slowest` phase speed or faster, m/s.
     fn under(base: &Base, slowest: f64, strips: usize, layout: &mut Layout) -> Self {
         let shape = base.shape.clone();
         let rest: Arc<[f64]> = vec![0.0; base.coordinates].into();
@@ -192,7 +196,8 @@ fn check_dampers(scene: &Scene) -> Result<(), StaticsError> {
 
 /// Highest frequency of the modes of a scene, Hz.
 fn highest(scene: &Scene) -> f64 {
-    let error = mesh::expected_error(scene).map_or(MOST, |error| error.total().min(MOST));
+    let error = mesh::expected_error(scene).map_or(COARSE, |error| error.total());
+    let error = if error > MOST { COARSE } else { error };
     let slowest = scene
         .modelled_line()
         .map_or(f64::INFINITY, |(line, _)| line.slowest_wave());

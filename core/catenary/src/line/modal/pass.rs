@@ -34,18 +34,18 @@ pub(super) struct Point {
     pub x: f64,
     /// Way along the wire in the step, m; not a number where the strip was not under the wire at both ends.
     pub moved: f64,
-    /// Answer of modes left out to the force of the strip in units of that at rest, –. A force that moves with `v` shakes
-    /// a wave of wave number `k` with `k v`: it answers by `1/(ω² − k² v²)`.
+    /// Answer of modes left out to the force of the strip in units of that at rest, –. A force that moves with `v`
+    /// shakes a wave of wave number `k` with `k v`: it answers by `1/(ω² − k² v²)`.
     moving: f64,
     /// Modes at the ends of the step.
     shapes: [Shapes; 2],
     /// Amplitudes at the end of the step and their rates by a unit force there, with the move of the point.
-    pub by_force: [Aligned; 2],
+    by_force: [Aligned; 2],
     /// Amplitudes at the end of the step by a unit force there that does not move, those that it feels of others; and
     /// by a unit bend of such a force.
     fixed: [Aligned; 2],
-    /// Bend of the modal force that a unit force at the begin of the step makes by the move of the point.
-    pub bend: Aligned,
+    /// Bend of the modal force by a unit force at the begin of the step, and its second derivative by one at the end.
+    pub bends: [Aligned; 2],
 }
 
 impl Point {
@@ -65,7 +65,7 @@ impl Point {
             shapes: [shapes(), shapes()],
             by_force: [room(), room()],
             fixed: [room(), room()],
-            bend: room(),
+            bends: [room(), room()],
         }
     }
 
@@ -110,21 +110,15 @@ impl Point {
         if s.is_finite() {
             wires.columns(wire, s, &mut self.columns);
         }
-        let mut rows = [([0.0; 2], &[][..]); CurveColumns::CAPACITY];
-        let mut count = 0;
-        for column in self.columns.as_slice() {
-            if let Some(row) = modes.at(column.index) {
-                rows[count] = ([column.n.z, column.n_s.z].map(|weight| weight as f32), row);
-                count += 1;
-            }
-        }
+        let columns = self.columns.as_slice().iter();
+        let rows = columns.filter_map(|column| Some((modes.at(column.index)?, [column.n.z, column.n_s.z])));
         let shapes = &mut self.shapes[end];
         shapes.s = s;
-        kernels::shape(arch, &rows[..count], &mut shapes.at, &mut shapes.slope);
+        kernels::weigh(arch, rows, [&mut shapes.at, &mut shapes.slope]);
     }
 
-    /// Answers of all modes to a unit force at the end of the step, and the bend by one at its begin; waves of modes left
-    /// out go with the `slowest` phase speed, m/s.
+    /// Answers of all modes to a unit force at the end of the step, and the bend by one at its begin; waves of modes
+    /// left out go with the `slowest` phase speed, m/s.
     fn answer(&mut self, arch: Arch, factors: &StepFactors, slowest: f64) {
         let [before, now] = &self.shapes;
         // A point that comes to the wire in the step, or a step to rest, is without a move.
@@ -141,8 +135,8 @@ impl Point {
             shapes: [&before.at, &before.slope, &now.at, &now.slope],
             rates: [along, per_step].map(|rate| rate as f32),
         };
-        let [q, v] = &mut self.by_force;
-        kernels::pass(arch, factors.of(0..now.at.len()), passing, [q, v], &mut self.bend);
+        let [bends, by_force] = [&mut self.bends, &mut self.by_force].map(|rows| rows.each_mut().map(|row| &mut **row));
+        kernels::pass(arch, factors.of(0..now.at.len()), passing, bends, by_force);
     }
 }
 

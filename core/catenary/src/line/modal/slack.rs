@@ -10,6 +10,8 @@ use std::sync::Arc;
 const SETTLED: f64 = 1e-9;
 /// Most corrections of one dropper in a sweep.
 const NEWTON: usize = 20;
+/// Correction that is the last one, N: what is left after it goes with its square.
+const LAST: f64 = 1e-6;
 /// Least part of the own answer of a dropper by which corrections go.
 const FLATTEST: f64 = 0.25;
 /// Most sweeps over slack droppers.
@@ -101,7 +103,7 @@ impl Response {
 /// Droppers that may be slack at the end of the present step, with their part in it.
 #[derive(Default)]
 pub(super) struct Candidates {
-    droppers: Vec<usize>,
+    pub droppers: Vec<usize>,
     /// Tension of each at the end of the step without forces there, N.
     free: Vec<f64>,
     /// Tension by a unit force of each strip, –; candidate after candidate.
@@ -127,11 +129,6 @@ impl Candidates {
     /// Number of candidates.
     pub fn len(&self) -> usize {
         self.droppers.len()
-    }
-
-    /// The candidates.
-    pub fn droppers(&self) -> &[usize] {
-        &self.droppers
     }
 
     /// The candidates and their last lacking forces, N.
@@ -169,7 +166,7 @@ impl Candidates {
         &mut self,
         (arch, modes, answers): (Arch, &Modes, &mut Arc<Answers>),
         pass: &mut Pass,
-        motions: impl Iterator<Item = [f64; 2]>,
+        motions: &[[f64; 2]],
     ) {
         let law = &modes.law;
         let h = answers.step.h;
@@ -181,7 +178,7 @@ impl Candidates {
         let (by_force, by_bend) = (&mut self.by_force, &mut self.by_bend);
         by_force.clear();
         by_bend.clear();
-        for (&dropper, [elongation, rate]) in self.droppers.iter().zip(motions) {
+        for (&dropper, &[elongation, rate]) in self.droppers.iter().zip(motions) {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
             self.free.push(spring + law.damping * rate);
             pass.need((arch, modes), dropper);
@@ -265,7 +262,8 @@ impl Candidates {
 /// The tension `s` solves `g s = base + b bend(s)`, `g` the answer to a lacking force where it is negative, else 1, and
 /// `b` the answer to a bend. Both sides together rise with `s`: Newton's method finds the root.
 fn end_of(base: f64, [by_end, by_bend]: [f64; 2], bend: impl Fn(f64) -> [f64; 2], start: f64) -> [f64; 2] {
-    let mut end = start;
+    // Most stay taut.
+    let mut end = if base > 0.0 { base } else { start };
     let mut of_end = bend(end);
     for _ in 0..NEWTON {
         let own = if end < 0.0 { by_end } else { 1.0 };
@@ -273,7 +271,7 @@ fn end_of(base: f64, [by_end, by_bend]: [f64; 2], bend: impl Fn(f64) -> [f64; 2]
         let change = (base + by_bend * of_end[0] - own * end) / rise;
         end += change;
         of_end = bend(end);
-        if change.abs() <= SETTLED {
+        if change.abs() <= LAST {
             break;
         }
     }

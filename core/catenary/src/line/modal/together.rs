@@ -1,0 +1,201 @@
+//! Moves of lines that go together: rows of factors and of droppers are read once for two of them.
+use super::lane::{Half, Lane};
+use super::modes::Modes;
+use super::pass::{Pass, Point};
+use dynamics::modal::kernels::{self, Ending, Motions};
+use dynamics::modal::{Aligned, StepFactors};
+use pulp::Arch;
+
+/// Modal forces of each of two lines, and their bends.
+#[derive(Default)]
+pub(super) struct Room {
+    forces: [Aligned; 2],
+    bends: [Aligned; 2],
+}
+
+impl Room {
+    pub fn new(modes: usize) -> Self {
+        let two = || [(); 2].map(|()| Aligned::zeros(modes));
+        Self {
+            forces: two(),
+            bends: two(),
+        }
+    }
+}
+
+/// The first `L` rows.
+fn first<const L: usize>(rows: &mut [Aligned; 2]) -> [&mut [f32]; L] {
+    let rows = rows.first_chunk_mut().expect("at most two lines");
+    rows.each_mut().map(|row| &mut **row)
+}
+
+/// What lines have in common in a half of a step.
+pub(super) struct Together<'a> {
+    pub arch: Arch,
+    pub modes: &'a Modes,
+    pub factors: &'a StepFactors,
+    pub pass: &'a Pass,
+}
+
+impl Together<'_> {
+    /// Moves lines on by a half of a step.
+    pub fn move_on(&self, half: Half, lanes: &mut [&mut Lane]) {
+        let [lane, ..] = lanes else { return };
+        let mut room = std::mem::take(&mut lane.room);
+        for lanes in lanes.chunks_mut(2) {
+            match (half, lanes) {
+                (Half::Begin, [one, other]) => self.free([one, other], &mut room),
+                (Half::Begin, lanes) => lanes.iter_mut().for_each(|lane| self.free([lane], &mut room)),
+                (Half::End, [one, other]) => self.finish([one, other], &mut room),
+                (Half::End, lanes) => lanes.iter_mut().for_each(|lane| self.finish([lane], &mut room)),
+            }
+        }
+        lanes[0].room = room;
+    }
+
+    /// Motion without forces at the end of the step: of all modes, the points, and the droppers that may be slack.
+    fn free<const L: usize>(&self, mut lanes: [&mut Lane; L], room: &mut Room) {
+        let (arch, modes) = (self.arch, self.modes);
+        let points = self.pass.points.iter().enumerate();
+        let by_points = points.filter_map(|(number, point)| {
+            // `c₀ F₀` by the move, and of the second difference of the force the part that is known.
+            let per_step = point.per_step(self.factors.h)?;
+            let forces = lanes.each_ref().map(|lane| lane.known_forces[number]);
+            let known = |[before, begin]: [f64; 2]| per_step * (2.0 * begin - before);
+            let by_move = (&*point.bends[0], forces.map(|[_, begin]| begin));
+            Some([by_move, (point.shape(), forces.map(known))])
+        });
+        kernels::weigh(arch, by_points.flatten(), first(&mut room.bends));
+        let lines = lanes.each_mut().map(|lane| (&*lane.repaying, &mut *lane.next[2]));
+        let repaying = lines.each_ref().map(|(joints, _)| *joints);
+        let joints = repaying.first().map_or(&[][..], |joints| joints).iter().enumerate();
+        let by_joints = joints.map(|(at, (joint, _))| (modes.joint(*joint), repaying.map(|joints| joints[at].1)));
+        kernels::weigh(arch, by_joints, lines.map(|(_, forces)| forces));
+        let mut bends = first::<L>(&mut room.bends).into_iter();
+        let motions = lanes.each_mut().map(|lane| {
+            let [q, v, known] = lane.next.each_mut().map(|values| &mut **values);
+            Motions {
+                begin: [&lane.q, &lane.v, &lane.r],
+                forces: [known, bends.next().expect("one for each line")],
+                end: [q, v],
+            }
+        });
+        kernels::free(arch, self.factors.of(0..modes.count()), motions);
+        let points = &self.pass.points;
+        for lane in lanes {
+            let mut motions = std::mem::take(&mut lane.motions);
+            motions.clear();
+            let (droppers, damped) = (&lane.candidates.droppers, modes.law.damping != 0.0);
+            self.add_motions((points, droppers), [lane], damped, [&mut motions]);
+            for (free, [deflection, _]) in lane.free.iter_mut().zip(&motions) {
+                *free = *deflection;
+            }
+            lane.motions = motions;
+        }
+    }
+
+    /// Motion at the end of the step: of all modes, of the points, and of the droppers and supports that are watched.
+    fn finish<const L: usize>(&self, mut lanes: [&mut Lane; L], room: &mut Room) {
+        let (arch, points) = (self.arch, &self.pass.points);
+        let rows = first::<L>(&mut room.forces)
+            .into_iter()
+            .zip(first::<L>(&mut room.bends));
+        for (lane, (force, bend)) in lanes.iter().zip(rows) {
+            let on = || points.iter().zip(&lane.forces).filter(|(point, _)| point.on);
+            let by_points = on().map(|(point, force)| (point.shape(), [*force]));
+            let bent = on().map(|(point, force)| (&*point.bends[1], [-force]));
+            let of_joint = |&(joint, force): &(usize, f64)| (self.modes.joint(joint), [force]);
+            kernels::weigh(arch, by_points.chain(lane.lacking.iter().map(of_joint)), [force]);
+            kernels::weigh(arch, bent.chain(lane.bends.iter().map(of_joint)), [bend]);
+        }
+        let mut rows = [first::<L>(&mut room.forces), first(&mut room.bends)].map(IntoIterator::into_iter);
+        let lines = lanes.each_mut().map(|lane| Ending {
+            forces: rows.each_mut().map(|rows| &*rows.next().expect("one for each line")),
+            end: lane.next.each_mut().map(|values| &mut **values),
+        });
+        kernels::finish(arch, self.factors.of(0..self.modes.count()), lines);
+        for lane in &mut lanes {
+            let [q, v, _] = &lane.next;
+            for (reached, point) in lane.reached.iter_mut().zip(points) {
+                let rows = [point.shape(), point.slope()];
+                let [[[deflection, rate]], [[slope, _]]] = kernels::dots_of_rows(arch, rows, [[q, v]]);
+                *reached = [deflection, rate, slope];
+            }
+        }
+        self.watch(&mut lanes);
+    }
+
+    /// Finds the motions of droppers and supports that are watched.
+    fn watch<const L: usize>(&self, lanes: &mut [&mut Lane; L]) {
+        let Some(one) = lanes.first() else { return };
+        let (near, in_turn) = (one.near, one.in_turn);
+        let damped = self.modes.law.damping != 0.0;
+        let mut motions = lanes.each_mut().map(|lane| std::mem::take(&mut lane.motions));
+        motions.iter_mut().for_each(Vec::clear);
+        let lines = lanes.each_ref().map(|lane| &**lane);
+        let [common, ..] = &lines.map(|lane| &lane.watched[..in_turn])[..] else {
+            return;
+        };
+        self.add_motions((&[], &common[..near]), lines, true, motions.each_mut());
+        // A damper is worth half a newton there, and what is asked is whether a dropper comes loose.
+        self.add_motions((&[], &common[near..]), lines, false, motions.each_mut());
+        for (lane, motions) in lines.into_iter().zip(&mut motions) {
+            self.add_motions((&[], &lane.watched[in_turn..]), [lane], damped, [motions]);
+        }
+        for (lane, motions) in lanes.iter_mut().zip(motions) {
+            lane.motions = motions;
+        }
+    }
+
+    /// Adds the motions of points and of droppers and supports to those of each line: deflections, or these and their
+    /// `rates`.
+    fn add_motions<const L: usize>(
+        &self,
+        places: (&[Point], &[usize]),
+        lanes: [&Lane; L],
+        rates: bool,
+        motions: [&mut Vec<[f64; 2]>; L],
+    ) {
+        if rates {
+            let ends = lanes.map(|lane| [&*lane.next[0], &lane.next[1]]);
+            self.add_sums(places, ends, motions, |motion| motion);
+        } else {
+            let ends = lanes.map(|lane| [&*lane.next[0]]);
+            self.add_sums(places, ends, motions, |[deflection]| [deflection, 0.0]);
+        }
+    }
+
+    /// Adds `N` sums over each of their rows, as motions.
+    fn add_sums<const L: usize, const N: usize>(
+        &self,
+        (points, joints): (&[Point], &[usize]),
+        ends: [[&[f32]; N]; L],
+        mut motions: [&mut Vec<[f64; 2]>; L],
+        motion: impl Fn([f64; N]) -> [f64; 2],
+    ) {
+        let mut add = |sums: &[[[f64; N]; L]]| {
+            for sums in sums {
+                for (motions, sums) in motions.iter_mut().zip(sums) {
+                    motions.push(motion(*sums));
+                }
+            }
+        };
+        let row = |at: usize| match points.get(at) {
+            Some(point) => point.shape(),
+            None => self.modes.joint(joints[at - points.len()]),
+        };
+        let count = points.len() + joints.len();
+        for at in (0..count).step_by(4) {
+            match count - at {
+                1 => add(&kernels::dots_of_rows(self.arch, [row(at)], ends)),
+                2 => add(&kernels::dots_of_rows(self.arch, [0, 1].map(|k| row(at + k)), ends)),
+                3 => add(&kernels::dots_of_rows(self.arch, [0, 1, 2].map(|k| row(at + k)), ends)),
+                _ => add(&kernels::dots_of_rows(
+                    self.arch,
+                    [0, 1, 2, 3].map(|k| row(at + k)),
+                    ends,
+                )),
+            }
+        }
+    }
+}
