@@ -29,7 +29,7 @@ fn first<const L: usize>(rows: &mut [Aligned; 2]) -> [&mut [f32]; L] {
     rows.each_mut().map(|row| &mut **row)
 }
 
-/// What lines have in common in a half of a step.
+/// Parts that lines have in common in a half of a step.
 pub(super) struct Together<'a> {
     pub arch: Arch,
     pub modes: &'a Modes,
