@@ -63,8 +63,8 @@ pub use store::cache_folder;
 /// Error of the filtered force, % of its standard deviation, by modes above the frequency of a strip, `f/√(1 − v/c)`: a
 /// force of the filter's frequency `f` that moves with `v` sends waves of `f` at rest and of `f/(1 − v/c)` ahead, and
 /// meshes err by the mean of both too. It falls with the third power of the highest mode. Fitted to the line of
-/// EN 50318 at 120, 250 and 300 km/h, and within a third of the errors of single frequencies there; it is twice as large
-/// where many droppers are slack.
+/// EN 50318 at 120, 250 and 300 km/h, and within a third of the errors of single frequencies there; these are twice as
+/// large where many droppers are slack.
 const LEFT_OUT: f64 = 60.0;
 /// Share of the error of the mesh that the modes left out may add: both are independent, so that their squares add up.
 const SHARE: f64 = 0.7;
