@@ -10,7 +10,7 @@ use pulp::Arch;
 /// Stiffness that holds a point under a strip beyond the wire, N/m.
 pub(super) const HELD: f64 = 1e5;
 
-/// Largest part of their phase speed with which a strip goes on under waves of modes left out.
+/// Largest speed of a strip, in phase speeds of waves left out, by which these answer: at one there would be no bound.
 const FASTEST: f64 = 0.9;
 
 /// Least compliance of a point under a strip, m/N: a wire does not yield at all where its end is held.

@@ -103,7 +103,7 @@ impl Response {
 /// Droppers that may be slack at the end of the present step, with their part in it.
 #[derive(Default)]
 pub(super) struct Candidates {
-    pub droppers: Vec<usize>,
+    droppers: Vec<usize>,
     /// Tension of each at the end of the step without forces there, N.
     free: Vec<f64>,
     /// Tension by a unit force of each strip, –; candidate after candidate.
@@ -129,6 +129,11 @@ impl Candidates {
     /// Number of candidates.
     pub fn len(&self) -> usize {
         self.droppers.len()
+    }
+
+    /// The candidates.
+    pub fn droppers(&self) -> &[usize] {
+        &self.droppers
     }
 
     /// The candidates and their last lacking forces, N.

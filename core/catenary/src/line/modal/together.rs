@@ -85,7 +85,7 @@ impl Together<'_> {
         for lane in lanes {
             let mut motions = std::mem::take(&mut lane.motions);
             motions.clear();
-            let (droppers, damped) = (&lane.candidates.droppers, modes.law.damping != 0.0);
+            let (droppers, damped) = (lane.candidates.droppers(), modes.law.damping != 0.0);
             self.add_motions((points, droppers), [lane], damped, [&mut motions]);
             for (free, [deflection, _]) in lane.free.iter_mut().zip(&motions) {
                 *free = *deflection;
