@@ -63,6 +63,29 @@ impl Place {
         let way = s - self.get();
         (way.abs() <= CLOSE).then_some(way)
     }
+
+    /// The wire at rest at `s`, close to the place.
+    fn point(&self, s: f64) -> Option<CurvePoint> {
+        let way = self.close(s)?;
+        let [r, r_s, r_ss] = [1, 4, 7].map(|first| self.vector(first));
+        Some(CurvePoint {
+            r: r + way * (r_s + 0.5 * way * r_ss),
+            r_s: r_s + way * r_ss,
+            r_ss,
+            velocity: Vector3::zeros(),
+            velocity_s: Vector3::zeros(),
+        })
+    }
+
+    /// Its residual compliance there.
+    fn compliance(&self, s: f64) -> Option<Compliance> {
+        let way = self.close(s)?;
+        let [value, slope] = [10, 11].map(|at| self.number(at));
+        Some(Compliance {
+            value: value + way * slope,
+            slope,
+        })
+    }
 }
 
 /// The wire at rest, lifted by one coordinate: its deflection under the strip.
@@ -102,19 +125,8 @@ impl WireCurve for ModalCurve {
     }
 
     fn point(&self, s: f64, q: &[f64], v: &[f64]) -> CurvePoint {
-        let mut point = match self.place.close(s) {
-            Some(way) => {
-                let [r, r_s, r_ss] = [1, 4, 7].map(|first| self.place.vector(first));
-                CurvePoint {
-                    r: r + way * (r_s + 0.5 * way * r_ss),
-                    r_s: r_s + way * r_ss,
-                    r_ss,
-                    velocity: Vector3::zeros(),
-                    velocity_s: Vector3::zeros(),
-                }
-            }
-            None => self.wire.point(s, &self.rest, &self.rest),
-        };
+        let anywhere = || self.wire.point(s, &self.rest, &self.rest);
+        let mut point = self.place.point(s).unwrap_or_else(anywhere);
         point.r.z += q[self.coordinate];
         point.velocity.z += v[self.coordinate];
         point
@@ -125,16 +137,8 @@ impl WireCurve for ModalCurve {
     }
 
     fn compliance(&self, s: f64) -> Compliance {
-        match self.place.close(s) {
-            Some(way) => {
-                let [value, slope] = [10, 11].map(|at| self.place.number(at));
-                Compliance {
-                    value: value + way * slope,
-                    slope,
-                }
-            }
-            None => self.wire.compliance(s),
-        }
+        let anywhere = || self.wire.compliance(s);
+        self.place.compliance(s).unwrap_or_else(anywhere)
     }
 
     fn expect(&self, strip: Option<(&Frame, f64)>) -> Option<f64> {

@@ -74,8 +74,7 @@ pub(super) struct Interface {
     /// Deflections of modes left out at the end of the last step, m.
     residual: Vec<f64>,
     steps: usize,
-    /// Room for places of strips under the wire, m, and for droppers whose turn it is, and loose ones.
-    on: Vec<f64>,
+    /// Droppers that are not near a strip: those whose turn it is, and loose ones.
     in_turn: Vec<usize>,
     loose: Vec<usize>,
     /// Modes up to [`DRAWN`].
@@ -125,7 +124,6 @@ impl Interface {
             rates: vec![0.0; contacts],
             residual: vec![0.0; contacts],
             steps: 0,
-            on: Vec::with_capacity(contacts),
             in_turn: Vec::with_capacity(modes.droppers()),
             loose: Vec::with_capacity(modes.droppers()),
             drawn: drawn.next_multiple_of(LANES).min(modes.count()),
@@ -207,11 +205,8 @@ impl Interface {
         let lane = self.lane.as_deref_mut().expect(HERE);
         let mut watched = std::mem::take(&mut lane.watched);
         let points = lane.pass().map_or(&[][..], |pass| &pass.points);
-        self.on.clear();
-        let on = points.iter().filter(|point| point.on);
-        self.on.extend(on.map(|point| point.x));
         let way = |x: f64| {
-            let ways = self.on.iter().map(|point| (point - x).abs());
+            let ways = points.iter().filter(|point| point.on).map(|point| (point.x - x).abs());
             ways.fold(f64::INFINITY, f64::min)
         };
         let often = (OFTEN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;

@@ -127,20 +127,18 @@ impl Together<'_> {
 
     /// Finds the motions of droppers and supports that are watched.
     fn watch<const L: usize>(&self, lanes: &mut [&mut Lane; L]) {
-        let Some(one) = lanes.first() else { return };
-        let (near, in_turn) = (one.near, one.in_turn);
         let damped = self.modes.law.damping != 0.0;
         let mut motions = lanes.each_mut().map(|lane| std::mem::take(&mut lane.motions));
         motions.iter_mut().for_each(Vec::clear);
         let lines = lanes.each_ref().map(|lane| &**lane);
-        let [common, ..] = &lines.map(|lane| &lane.watched[..in_turn])[..] else {
-            return;
-        };
-        self.add_motions((&[], &common[..near]), lines, true, motions.each_mut());
-        // A damper is worth half a newton there, and what is asked is whether a dropper comes loose.
-        self.add_motions((&[], &common[near..]), lines, false, motions.each_mut());
+        if let [one, ..] = &lines[..] {
+            let (near, in_turn) = one.watched[..one.in_turn].split_at(one.near);
+            self.add_motions((&[], near), lines, true, motions.each_mut());
+            // A damper is worth half a newton there, and what is asked is whether a dropper comes loose.
+            self.add_motions((&[], in_turn), lines, false, motions.each_mut());
+        }
         for (lane, motions) in lines.into_iter().zip(&mut motions) {
-            self.add_motions((&[], &lane.watched[in_turn..]), [lane], damped, [motions]);
+            self.add_motions((&[], &lane.watched[lane.in_turn..]), [lane], damped, [motions]);
         }
         for (lane, motions) in lanes.iter_mut().zip(motions) {
             lane.motions = motions;
