@@ -9,10 +9,12 @@ use std::sync::Arc;
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Wish {
     pub(super) flat: bool,
-    /// Highest mode, Hz.
-    pub(super) highest: f64,
+    /// Highest mode where forces of droppers have attachment modes, and where they have none, Hz.
+    pub(super) highest: [f64; 2],
     /// Damping of wires in proportion to their stiffness, s.
     pub(super) beta: f64,
+    /// Largest damper that forces from step to step can take back where attachment modes swing, N·s/m.
+    pub(super) bearable: f64,
     /// Length of a step, s.
     pub(super) h: f64,
 }
@@ -35,7 +37,7 @@ impl Base {
     /// # Errors
     /// See [`StaticsError::Modes`].
     pub(super) fn of((mut linear, own): (LinearLine, &Layout), wish: Wish) -> Result<Self, StaticsError> {
-        let modes = Modes::of(&mut linear, own, [wish.highest, wish.beta])?;
+        let modes = Modes::of(&mut linear, own, wish)?;
         let shape = linear.shape().cloned().ok_or(StaticsError::Modes {
             reason: "the line has no shape".to_owned(),
         })?;

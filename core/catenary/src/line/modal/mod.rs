@@ -53,7 +53,7 @@ use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
 use interface::{Contact, Interface};
 use lane::{Lane, Wires};
 use nalgebra::Vector3;
-use scene::{Reduction, Scene, Wire, WireKind};
+use scene::{Catenary, Reduction, Scene, Wire, WireKind};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -75,6 +75,12 @@ const MOST: f64 = 1.0;
 /// there, and the same waves have higher frequencies.
 const COARSE: f64 = 0.65;
 
+/// The factor [`LEFT_OUT`] where forces of droppers have attachment modes: fitted to the same lines, a stitched one and
+/// one of twin wires, slack droppers or not.
+const ATTACHED: f64 = 30.0;
+/// [`COARSE`] there.
+const COARSE_ATTACHED: f64 = 0.4;
+
 /// A line in its own modes.
 pub struct ModalLine {
     interface: Interface,
@@ -94,11 +100,13 @@ impl ModalLine {
     /// See [`StaticsError::Modes`] and [`StaticsError::DampedDroppers`].
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
         check_dampers(scene)?;
-        let beta = scene.modelled_line().map_or(0.0, |(line, _)| line.damping.beta);
+        let line = scene.modelled_line().map(|(line, _)| line);
+        let beta = line.map_or(0.0, |line| line.damping.beta);
         let wish = Wish {
             flat: scene.model.has(Reduction::Flat),
             highest: highest(scene),
             beta,
+            bearable: line.map_or(0.0, |line| for_rate(line, MOST_ATTACHED)),
             h: scene.solver.micro_step,
         };
         let base = statics.modal().or_made(wish, || {
@@ -111,8 +119,8 @@ impl ModalLine {
             };
             Base::of((linear, &own), wish).map(Arc::new)
         })?;
-        let slowest = scene.modelled_line().map_or(f64::INFINITY, |(line, _)| {
-            line.contact_wire.phase_speed(TAU * wish.highest)
+        let slowest = line.map_or(f64::INFINITY, |line| {
+            line.contact_wire.phase_speed(TAU * base.modes.highest)
         });
         Ok(Self::under(&base, slowest, scene.strip_count(), layout))
     }
@@ -169,23 +177,18 @@ impl ModalLine {
     }
 }
 
+/// Largest damper of a dropper, as `κ` of [`for_rate`], that forces from step to step can stand for: a little below the
+/// limit.
+const MOST_DAMPED: f64 = 0.5;
+/// The same with attachment modes, whose rates change much within a step.
+const MOST_ATTACHED: f64 = 0.1;
+
 /// Refuses dampers of droppers that forces from step to step cannot stand for.
-///
-/// Waves of both wires bear a damper `b` between them: a force that rises within a step leaves the rate
-/// `a = ½ Σ 1/(2 √(T m))` per newton. With rates continued in a straight line, the force makes rates from step to step
-/// follow `z³ − (1 − 2κ) z² + κ z − κ = 0`, `κ = a b`, whose roots lie within the unit circle below `κ = 1/√3`
-/// (*derived here*).
 fn check_dampers(scene: &Scene) -> Result<(), StaticsError> {
-    /// Largest `κ`, a little below the limit.
-    const MOST: f64 = 0.5;
     let Some((line, _)) = scene.modelled_line() else {
         return Ok(());
     };
-    let compliance = |wire: &Wire| 1.0 / (2.0 * wire.mass_per_length * wire.wave_speed());
-    let above = line.wire_kinds().filter(|(kind, _)| *kind != WireKind::Contact);
-    let above = above.map(|(_, wire)| compliance(wire)).fold(0.0, f64::max);
-    let rate = 0.5 * (compliance(&line.contact_wire) + above);
-    let most = line.damping.beta * line.droppers.stiffness + MOST / rate;
+    let most = line.damping.beta * line.droppers.stiffness + for_rate(line, MOST_DAMPED);
     if line.droppers.damping > most {
         return Err(StaticsError::DampedDroppers {
             damping: line.droppers.damping,
@@ -195,15 +198,30 @@ fn check_dampers(scene: &Scene) -> Result<(), StaticsError> {
     Ok(())
 }
 
-/// Highest frequency of the modes of a scene, Hz.
-fn highest(scene: &Scene) -> f64 {
-    let error = mesh::expected_error(scene).map_or(COARSE, |error| error.total());
-    let error = if error > MOST { COARSE } else { error };
+/// Damper `b = κ/a` between contact wire and the wire above, N·s/m.
+///
+/// Waves of both wires bear a damper `b` between them: a force that rises within a step leaves the rate
+/// `a = ½ Σ 1/(2 √(T m))` per newton. With rates continued in a straight line, the force makes rates from step to step
+/// follow `z³ − (1 − 2κ) z² + κ z − κ = 0`, whose roots lie within the unit circle below `κ = 1/√3` (*derived here*).
+fn for_rate(line: &Catenary, kappa: f64) -> f64 {
+    let compliance = |wire: &Wire| 1.0 / (2.0 * wire.mass_per_length * wire.wave_speed());
+    let above = line.wire_kinds().filter(|(kind, _)| *kind != WireKind::Contact);
+    let above = above.map(|(_, wire)| compliance(wire)).fold(0.0, f64::max);
+    kappa / (0.5 * (compliance(&line.contact_wire) + above))
+}
+
+/// Highest frequency of the modes of a scene where forces of droppers have attachment modes, and where they have none,
+/// Hz.
+fn highest(scene: &Scene) -> [f64; 2] {
+    let error = mesh::expected_error(scene).map_or(f64::INFINITY, |error| error.total());
     let slowest = scene
         .modelled_line()
         .map_or(f64::INFINITY, |(line, _)| line.slowest_wave());
     let of_strip = scene.run.low_pass_hz / (1.0 - scene.run.speed / slowest).max(0.05).sqrt();
-    of_strip * (LEFT_OUT / (SHARE * error)).cbrt()
+    [[ATTACHED, COARSE_ATTACHED], [LEFT_OUT, COARSE]].map(|[left_out, coarse]| {
+        let error = if error > MOST { coarse } else { error };
+        of_strip * (left_out / (SHARE * error)).cbrt()
+    })
 }
 
 impl OverheadLine for ModalLine {

@@ -1,22 +1,30 @@
 //! The modes of a linearised line, and what the modes left out add.
+use super::base::Wish;
 use super::store::{Key, known_or};
 use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve};
-use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, eigenpairs_below};
+use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, attachment_pairs, eigenpairs_below};
 use dynamics::modal::Aligned;
 use dynamics::modal::kernels::{self, LANES};
 use dynamics::{Blocks, Force, Layout, SparseMatrix, Weights};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Rows of the contact wire on either side between which modes left out are taken as connected: two elements.
+/// Rows of a contact wire on either side between which modes left out are taken as connected: two elements.
 const NEAR: usize = 12;
+/// Rows of a contact wire that are near a place.
+const WIDTH: usize = 2 * NEAR + 1;
+/// Largest angle by which attachment modes may turn in a step: beyond half a turn, forces that rise within a step make
+/// them overshoot.
+const TURN: f64 = 1.1 * PI;
 /// Marks a coordinate without a row.
 const NONE: u32 = u32::MAX;
 
 /// Modes `φₖ` with `φₖᵀ M φₖ = 1`, as far as contact, droppers and pictures see them.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Modes {
+    /// Frequency up to which modes of the line are kept, Hz.
+    pub highest: f64,
     /// `ωₖ²`, 1/s².
     pub stiffness: Vec<f64>,
     /// `cₖ`, 1/s.
@@ -28,7 +36,11 @@ pub(super) struct Modes {
     /// rest.
     #[serde(with = "super::packed")]
     rows: Aligned,
-    /// Residual compliance between rows of contact wires, from `NEAR` before to `NEAR` behind each, m/N.
+    /// Number of contact wires, whose rows follow on each other.
+    contact_wires: usize,
+    /// First of the [`WIDTH`] rows of each contact wire that are near a row of any of them, row after row.
+    near: Vec<u32>,
+    /// Residual compliance between a row of contact wires and those near it, m/N.
     residual: Vec<f64>,
     /// Law of the droppers, with the dampers that the modes give them.
     pub law: DropperLaw,
@@ -57,19 +69,22 @@ struct Pencil {
     stiffness: BandedMatrix,
     damping: BandedMatrix,
     mass: BandedMatrix,
-    /// Row of each coordinate, and how many rows are those of contact wires.
+    /// Row of each coordinate.
     row_of: Vec<u32>,
-    on_contact: usize,
+    /// Place along the track of each row of the contact wires, wire after wire, m.
+    contact_x: Vec<Vec<f64>>,
 }
 
 impl Modes {
-    /// All modes of a line below `highest` Hz, found now or before; its wires are damped by `beta` s in proportion to
-    /// their stiffness.
-    pub fn of(linear: &mut LinearLine, layout: &Layout, [highest, beta]: [f64; 2]) -> Result<Arc<Self>, StaticsError> {
+    /// The modes of a line that are asked for, found now or before.
+    ///
+    /// Forces of droppers have attachment modes where steps follow these; where they do not, more modes are kept.
+    pub fn of(linear: &mut LinearLine, layout: &Layout, wish: Wish) -> Result<Arc<Self>, StaticsError> {
         let pencil = Pencil::of(linear, layout);
         let linear: &LinearLine = linear;
         let mut key = Key::new();
-        key.add([highest, beta]);
+        key.add(wish.highest);
+        key.add([wish.beta, wish.h]);
         key.add(
             pencil
                 .free
@@ -86,17 +101,42 @@ impl Modes {
             key.add(dropper.gradient.iter().flat_map(|&(at, g)| [at as f64, g]));
         }
         key.add(pencil.row_of.iter().map(|row| f64::from(*row)));
-        known_or(key, || Self::found(linear, &pencil, [highest, beta]))
+        known_or(key, || Self::found(linear, &pencil, wish))
     }
 
-    fn found(linear: &LinearLine, pencil: &Pencil, [highest, beta]: [f64; 2]) -> Result<Self, StaticsError> {
+    fn found(linear: &LinearLine, pencil: &Pencil, wish: Wish) -> Result<Self, StaticsError> {
         let free = &pencil.free;
-        let pairs = eigenpairs_below(&pencil.stiffness, &pencil.mass, (TAU * highest).powi(2));
-        let pairs = pairs.map_err(|error| {
-            let reason = error.to_string();
-            StaticsError::Modes { reason }
-        })?;
-        let pairs = worth_keeping(linear, free, pairs, highest);
+        let droppers = linear.droppers().as_slice();
+        let gradient = |dropper: &crate::LinearDropper| -> Vec<(usize, f64)> {
+            let entries = dropper.gradient.iter();
+            entries.filter_map(|&(at, g)| Some((free[at]?, g))).collect()
+        };
+        let gradients: Vec<Vec<(usize, f64)>> = droppers.iter().map(gradient).collect();
+        let factor = BandedFactor::new(&pencil.stiffness);
+        let law = linear.droppers().law();
+        let of_dropper = wish.beta * law.stiffness - law.damping;
+        let kept = |highest: f64| -> Result<Eigenpairs, StaticsError> {
+            let pairs = eigenpairs_below(&pencil.stiffness, &pencil.mass, (TAU * highest).powi(2));
+            let pairs = pairs.map_err(|error| {
+                let reason = error.to_string();
+                StaticsError::Modes { reason }
+            })?;
+            Ok(worth_keeping(linear, free, pairs, highest))
+        };
+        let [with_attachments, without] = wish.highest;
+        let attached = if of_dropper.abs() <= wish.bearable {
+            let known = kept(with_attachments)?;
+            let attachments = attachment_pairs((&factor, &SparseMatrix::from(&pencil.mass)), &known, &gradients);
+            let fastest = attachments.values.last().map_or(0.0, |value| value.sqrt());
+            (fastest * wish.h <= TURN).then(|| known.merged(attachments))
+        } else {
+            None
+        };
+        let highest = if attached.is_some() { with_attachments } else { without };
+        let pairs = match attached {
+            Some(pairs) => pairs,
+            None => kept(without)?,
+        };
         let modes = pairs.values.len().next_multiple_of(LANES);
         let rows_in_all = pencil.row_of.iter().filter(|row| **row != NONE).count();
         let mut at_row = vec![0; rows_in_all];
@@ -111,12 +151,6 @@ impl Modes {
                 *entry = vector[free] as f32;
             }
         }
-        let droppers = linear.droppers().as_slice();
-        let gradient = |dropper: &crate::LinearDropper| -> Vec<(usize, f64)> {
-            let entries = dropper.gradient.iter();
-            entries.filter_map(|&(at, g)| Some((free[at]?, g))).collect()
-        };
-        let gradients: Vec<Vec<(usize, f64)>> = droppers.iter().map(gradient).collect();
         let supports = supports(linear, free);
         let held = supports.iter().map(|support| vec![(support.free, 1.0)]);
         let joints: Vec<Vec<(usize, f64)>> = gradients.iter().cloned().chain(held).collect();
@@ -126,9 +160,8 @@ impl Modes {
                 *entry = along(gradient, vector) as f32;
             }
         }
-        let law = linear.droppers().law();
-        let of_droppers = vec![beta * law.stiffness - law.damping; gradients.len()];
-        let of_supports = supports.iter().map(|support| beta * support.stiffness);
+        let of_droppers = vec![of_dropper; gradients.len()];
+        let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
         let borrowed: Vec<f64> = of_droppers.into_iter().chain(of_supports).collect();
         let of_line = SparseMatrix::from(&pencil.damping);
         let damping = pairs.vectors.iter().map(|vector| {
@@ -147,17 +180,20 @@ impl Modes {
             lower.collect()
         });
         let mut found = Self {
+            highest,
             damping: padded(damping.collect(), 0.0),
             stiffness: padded(pairs.values, 1.0),
             row_of: pencil.row_of.clone(),
             rows,
+            contact_wires: pencil.contact_x.len(),
+            near: near_rows(&pencil.contact_x),
             residual: Vec::new(),
             at_rest: droppers
                 .iter()
                 .map(|dropper| law.stiffness * dropper.elongation)
                 .collect(),
             law: DropperLaw {
-                damping: beta * law.stiffness,
+                damping: wish.beta * law.stiffness,
                 ..law
             },
             borrowed,
@@ -167,37 +203,39 @@ impl Modes {
             dropper_residual: Vec::new(),
             between_droppers: Vec::new(),
         };
-        let factor = BandedFactor::new(&pencil.stiffness);
-        found.add_residuals(&factor, &at_row[..pencil.on_contact], &gradients);
+        found.add_residuals(&factor, &at_row, &gradients);
         Ok(found)
     }
 
-    /// `K⁻¹ − Σ φ φᵀ/ω²` between contact wires and droppers.
-    fn add_residuals(&mut self, factor: &BandedFactor, contact: &[usize], gradients: &[Vec<(usize, f64)>]) {
+    /// `K⁻¹ − Σ φ φᵀ/ω²` between droppers and rows of contact wires, of which `at_row` has the numbers among those that are not held.
+    fn add_residuals(&mut self, factor: &BandedFactor, at_row: &[usize], gradients: &[Vec<(usize, f64)>]) {
         const BATCH: usize = 4;
         let soft: Vec<f64> = self.stiffness.iter().map(|stiffness| 1.0 / stiffness).collect();
         let arch = pulp::Arch::new();
-        let width = 2 * NEAR + 1;
-        self.residual = vec![0.0; contact.len() * width];
-        for (number, batch) in contact.chunks(BATCH).enumerate() {
+        let rows = self.near.len() / self.contact_wires.max(1);
+        for (number, batch) in at_row[..rows].chunks(BATCH).enumerate() {
             let mut answers = vec![[0.0; BATCH]; factor.size()];
             for (k, &at) in batch.iter().enumerate() {
                 answers[at][k] = 1.0;
             }
             factor.solve_many(&mut answers);
-            for (row, k) in (number * BATCH..contact.len()).zip(0..batch.len()) {
+            for (row, k) in (number * BATCH..rows).zip(0..batch.len()) {
                 let own = times(self.row(row), &soft);
-                for other in row.saturating_sub(NEAR)..(row + NEAR + 1).min(contact.len()) {
-                    let of_modes = kernels::dot(arch, self.row(other), &own);
-                    self.residual[row * width + other + NEAR - row] = answers[contact[other]][k] - of_modes;
-                }
+                let near = self.near[row * self.contact_wires..][..self.contact_wires].iter();
+                let others = near.flat_map(|&first| first as usize..first as usize + WIDTH);
+                let residual = |other: usize| match at_row[..rows].get(other) {
+                    Some(&at) => answers[at][k] - kernels::dot(arch, self.row(other), &own),
+                    None => 0.0,
+                };
+                let residuals: Vec<f64> = others.map(residual).collect();
+                self.residual.extend(residuals);
             }
         }
         let (mut on_contact, mut between) = (Vec::new(), Vec::new());
         for (dropper, gradient) in gradients.iter().enumerate() {
             let answer = factor.solve(gradient.iter().copied());
             let own = times(self.joint(dropper), &soft);
-            for (row, &at) in contact.iter().enumerate() {
+            for (row, &at) in at_row[..rows].iter().enumerate() {
                 on_contact.push(answer[at] - kernels::dot(arch, self.row(row), &own));
             }
             for (other, gradient) in gradients.iter().enumerate() {
@@ -246,7 +284,7 @@ impl Modes {
 
     /// Residual vertical deflection at a point of a contact wire by a unit force along a dropper, m/N.
     pub fn residual_by_dropper(&self, point: &CurveColumns, dropper: usize) -> f64 {
-        let rows = self.residual.len() / (2 * NEAR + 1);
+        let rows = self.dropper_residual.len() / self.droppers();
         let of_dropper = &self.dropper_residual[dropper * rows..][..rows];
         self.vertical(point).map(|(row, n)| n * of_dropper[row]).sum()
     }
@@ -254,12 +292,15 @@ impl Modes {
     /// Residual vertical deflection at a point of a contact wire by a unit force at another one, m/N.
     pub fn residual_between_points(&self, point: &CurveColumns, other: &CurveColumns) -> f64 {
         let of_pair = |(row, n): (usize, f64)| {
-            let near = move |&(other, _): &(usize, f64)| other + NEAR >= row && other <= row + NEAR;
-            let others = self.vertical(other).filter(near);
-            let sum: f64 = others
-                .map(|(other, m)| m * self.residual[row * (2 * NEAR + 1) + other + NEAR - row])
-                .sum();
-            n * sum
+            let windows = row * self.contact_wires..(row + 1) * self.contact_wires;
+            let residual = |other: usize| {
+                let at = windows.clone().find_map(|window| {
+                    let at = other.checked_sub(self.near[window] as usize)?;
+                    (at < WIDTH).then_some(window * WIDTH + at)
+                });
+                at.map_or(0.0, |at| self.residual[at])
+            };
+            n * self.vertical(other).map(|(other, m)| m * residual(other)).sum::<f64>()
         };
         self.vertical(point).map(of_pair).sum()
     }
@@ -363,14 +404,14 @@ impl Pencil {
         let band = places.map(|(row, column, _)| row.abs_diff(*column)).max();
         let band = band.unwrap_or(0) as usize;
         let [stiffness, damping, mass] = all.map(|entries| BandedMatrix::from_entries(count, band, &entries));
-        let (row_of, on_contact) = rows(linear, &free);
+        let (row_of, contact_x) = rows(linear, &free);
         Self {
             free,
             stiffness,
             damping,
             mass,
             row_of,
-            on_contact,
+            contact_x,
         }
     }
 }
@@ -404,37 +445,60 @@ fn supports(linear: &LinearLine, free: &[Option<usize>]) -> Vec<Support> {
     springs.collect()
 }
 
-/// The row of each coordinate, and how many rows are those of contact wires.
-fn rows(linear: &LinearLine, free: &[Option<usize>]) -> (Vec<u32>, usize) {
+/// First of the rows of each contact wire that are near a row of any, row after row, from the places of all rows along
+/// the track, wire after wire.
+fn near_rows(contact_x: &[Vec<f64>]) -> Vec<u32> {
+    let mut near = Vec::new();
+    for x in contact_x.iter().flatten() {
+        let mut first = 0;
+        for wire in contact_x {
+            let closest = wire.partition_point(|other| other < x);
+            let most = wire.len().saturating_sub(WIDTH);
+            near.push((first + closest.saturating_sub(NEAR).min(most)) as u32);
+            first += wire.len();
+        }
+    }
+    near
+}
+
+/// The row of each coordinate, and the place of each row of the contact wires along the track, wire after wire, m.
+fn rows(linear: &LinearLine, free: &[Option<usize>]) -> (Vec<u32>, Vec<Vec<f64>>) {
     let (mut row_of, mut next) = (vec![NONE; free.len()], 0);
+    let mut contact_x = Vec::new();
     let Some(line) = linear.shape() else {
-        return (row_of, 0);
+        return (row_of, contact_x);
     };
     let mut add = |coordinate: Option<usize>| {
-        if let Some(coordinate) = coordinate.filter(|&at| free[at].is_some() && row_of[at] == NONE) {
+        let new = coordinate.filter(|&at| free[at].is_some() && row_of[at] == NONE);
+        if let Some(coordinate) = new {
             row_of[coordinate] = next;
             next += 1;
         }
-        next
+        new.is_some()
     };
     for wire in 0..line.contact_wires() {
         let geometry = line.contact_wire(wire).geometry();
         let mut layers = geometry.enrichments().iter().peekable();
+        let mut places = Vec::new();
         for (number, node) in geometry.nodes().iter().enumerate() {
-            add(node.map.position(2));
-            add(node.map.slope(2));
+            let mut own = [node.map.position(2), node.map.slope(2)]
+                .map(&mut add)
+                .into_iter()
+                .filter(|new| *new)
+                .count();
             while let Some(layer) = layers.next_if(|layer| layer.node == number) {
                 if layer.direction.z != 0.0 {
-                    add(Some(layer.index));
+                    own += usize::from(add(Some(layer.index)));
                 }
             }
+            places.resize(places.len() + own, node.position.x);
         }
+        contact_x.push(places);
     }
-    let on_contact = add(None);
     for wire in line.wires() {
         for node in wire.geometry().nodes() {
             add(node.map.position(2));
         }
     }
-    (row_of, on_contact as usize)
+    (row_of, contact_x)
 }

@@ -2,13 +2,16 @@
 //!
 //! | file | subject |
 //! | --- | --- |
+//! | `attachment` | eigenpairs of what is answered to given forces beyond known eigenpairs |
 //! | `banded` | symmetric banded matrices and their factors `L D Lᵀ` |
 //! | `slice` | all eigenpairs between two values, by shifted and inverted block Lanczos |
 //! | `subspace` | the lowest eigenpairs of a small pencil, and those of a subspace |
+mod attachment;
 mod banded;
 mod slice;
 mod subspace;
 
+pub use attachment::attachment_pairs;
 pub use banded::{BandedFactor, BandedMatrix};
 pub use subspace::{lowest_eigenpairs, restricted};
 
@@ -35,6 +38,16 @@ impl Eigenpairs {
         self.values.truncate(count);
         self.vectors.truncate(count);
         self
+    }
+
+    /// These and others, in ascending order.
+    #[must_use]
+    pub fn merged(self, others: Self) -> Self {
+        let of = |pairs: Self| pairs.values.into_iter().zip(pairs.vectors);
+        let mut all: Vec<_> = of(self).chain(of(others)).collect();
+        all.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        let (values, vectors) = all.into_iter().unzip();
+        Self { values, vectors }
     }
 }
 

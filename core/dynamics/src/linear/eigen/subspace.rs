@@ -72,7 +72,7 @@ pub fn restricted(vectors: &[f64], [stiffness, mass]: [&SparseMatrix; 2]) -> Eig
 }
 
 /// `Aᵀ B` of columns of `n` numbers, which is symmetric but for rounding.
-fn gram(a: &[f64], b: &[f64], n: usize) -> Mat<f64> {
+pub(super) fn gram(a: &[f64], b: &[f64], n: usize) -> Mat<f64> {
     let size = a.len() / n;
     let [a, b] = [a, b].map(|values| MatRef::from_column_major_slice(values, n, size));
     let mut product = Mat::zeros(size, size);
