@@ -207,7 +207,8 @@ impl Modes {
         Ok(found)
     }
 
-    /// `K⁻¹ − Σ φ φᵀ/ω²` between droppers and rows of contact wires, of which `at_row` has the numbers among those that are not held.
+    /// `K⁻¹ − Σ φ φᵀ/ω²` between droppers and rows of contact wires; `at_row` has the numbers of these among the
+    /// coordinates that are not held.
     fn add_residuals(&mut self, factor: &BandedFactor, at_row: &[usize], gradients: &[Vec<(usize, f64)>]) {
         const BATCH: usize = 4;
         let soft: Vec<f64> = self.stiffness.iter().map(|stiffness| 1.0 / stiffness).collect();

@@ -55,8 +55,8 @@ pub fn attachment_pairs(
     Eigenpairs { values, vectors }
 }
 
-/// Combinations of shapes that are orthonormal in a product, of which the shapes have these `products` between them, and
-/// the eigenvalue of the products that each belongs to; those with an eigenvalue of `least` or less are left out.
+/// Combinations of shapes that are orthonormal in a product, of which the shapes have these `products` between them,
+/// after the eigenvalue of the products that each belongs to; those of `least` or less are left out.
 fn orthonormal(shapes: &[f64], products: &Mat<f64>, least: f64) -> (Vec<f64>, Vec<f64>) {
     let size = products.nrows();
     if size == 0 {
