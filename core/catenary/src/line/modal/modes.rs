@@ -7,16 +7,13 @@ use dynamics::modal::Aligned;
 use dynamics::modal::kernels::{self, LANES};
 use dynamics::{Blocks, Force, Layout, SparseMatrix, Weights};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Rows of a contact wire on either side between which modes left out are taken as connected: two elements.
 const NEAR: usize = 12;
 /// Rows of a contact wire that are near a place.
 const WIDTH: usize = 2 * NEAR + 1;
-/// Largest angle by which attachment modes may turn in a step: beyond half a turn, forces that rise within a step make
-/// them overshoot.
-const TURN: f64 = 1.1 * PI;
 /// Marks a coordinate without a row.
 const NONE: u32 = u32::MAX;
 
@@ -44,7 +41,8 @@ pub(super) struct Modes {
     residual: Vec<f64>,
     /// Law of the droppers, with the dampers that the modes give them.
     pub law: DropperLaw,
-    /// Dampers that the modes have beyond those of the line, first of the droppers and then of supports, N·s/m.
+    /// Dampers that the modes have beyond those of the line and forces take back, first of the droppers and then of
+    /// supports, N·s/m.
     pub borrowed: Vec<f64>,
     /// x of the supports with such dampers, m.
     pub support_x: Vec<f64>,
@@ -78,13 +76,14 @@ struct Pencil {
 impl Modes {
     /// The modes of a line that are asked for, found now or before.
     ///
-    /// Forces of droppers have attachment modes where steps follow these; where they do not, more modes are kept.
+    /// Forces of droppers have attachment modes where these leave forces from step to step stable; where they do not,
+    /// more modes are kept.
     pub fn of(linear: &mut LinearLine, layout: &Layout, wish: Wish) -> Result<Arc<Self>, StaticsError> {
         let pencil = Pencil::of(linear, layout);
         let linear: &LinearLine = linear;
         let mut key = Key::new();
         key.add(wish.highest);
-        key.add([wish.beta, wish.h]);
+        key.add([wish.beta, wish.bearable]);
         key.add(
             pencil
                 .free
@@ -114,28 +113,29 @@ impl Modes {
         let gradients: Vec<Vec<(usize, f64)>> = droppers.iter().map(gradient).collect();
         let factor = BandedFactor::new(&pencil.stiffness);
         let law = linear.droppers().law();
-        let of_dropper = wish.beta * law.stiffness - law.damping;
-        let kept = |highest: f64| -> Result<Eigenpairs, StaticsError> {
-            let pairs = eigenpairs_below(&pencil.stiffness, &pencil.mass, (TAU * highest).powi(2));
-            let pairs = pairs.map_err(|error| {
-                let reason = error.to_string();
-                StaticsError::Modes { reason }
-            })?;
-            Ok(worth_keeping(linear, free, pairs, highest))
+        // Dampers that the modes give droppers beyond their own. Where forces cannot take them back, droppers are so
+        // stiff that they hardly give, and the dampers stay; where the own ones are the larger ones, attachment modes
+        // would swing.
+        let excess = wish.beta * law.stiffness - law.damping;
+        let is_attached = excess >= -wish.bearable;
+        let taken_back = if is_attached && excess > wish.bearable {
+            0.0
+        } else {
+            excess
         };
         let [with_attachments, without] = wish.highest;
-        let attached = if of_dropper.abs() <= wish.bearable {
-            let known = kept(with_attachments)?;
+        let highest = if is_attached { with_attachments } else { without };
+        let known = eigenpairs_below(&pencil.stiffness, &pencil.mass, (TAU * highest).powi(2));
+        let known = known.map_err(|error| {
+            let reason = error.to_string();
+            StaticsError::Modes { reason }
+        })?;
+        let known = worth_keeping(linear, free, known, highest);
+        let pairs = if is_attached {
             let attachments = attachment_pairs((&factor, &SparseMatrix::from(&pencil.mass)), &known, &gradients);
-            let fastest = attachments.values.last().map_or(0.0, |value| value.sqrt());
-            (fastest * wish.h <= TURN).then(|| known.merged(attachments))
+            known.merged(attachments)
         } else {
-            None
-        };
-        let highest = if attached.is_some() { with_attachments } else { without };
-        let pairs = match attached {
-            Some(pairs) => pairs,
-            None => kept(without)?,
+            known
         };
         let modes = pairs.values.len().next_multiple_of(LANES);
         let rows_in_all = pencil.row_of.iter().filter(|row| **row != NONE).count();
@@ -160,12 +160,16 @@ impl Modes {
                 *entry = along(gradient, vector) as f32;
             }
         }
-        let of_droppers = vec![of_dropper; gradients.len()];
-        let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
-        let borrowed: Vec<f64> = of_droppers.into_iter().chain(of_supports).collect();
+        let of_joints = |of_dropper: f64| -> Vec<f64> {
+            let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
+            std::iter::repeat_n(of_dropper, droppers.len())
+                .chain(of_supports)
+                .collect()
+        };
+        let (added, borrowed) = (of_joints(excess), of_joints(taken_back));
         let of_line = SparseMatrix::from(&pencil.damping);
         let damping = pairs.vectors.iter().map(|vector| {
-            let joints = joints.iter().zip(&borrowed);
+            let joints = joints.iter().zip(&added);
             let by_joints = joints.map(|(gradient, damper)| damper * along(gradient, vector).powi(2));
             of_line.quadratic_form(vector) + by_joints.sum::<f64>()
         });
