@@ -47,8 +47,12 @@ fn difference(text: &str, words: [&str; 2], more: &[&str]) -> f64 {
 #[test]
 fn a_planar_line_in_its_modes_is_the_linearised_one() {
     let words = ["\"planar\", \"linearised\"", "\"modal\""];
-    let difference = difference(EN_300, words, &[MESH]);
-    assert!(difference < 0.75, "{difference} %");
+    // Stiff droppers have modes that turn too far in a step.
+    for (stiffness, most) in [("1e5", 0.75), ("1e6", 1.5)] {
+        let stiffness = format!("catenary.droppers.stiffness={stiffness}");
+        let difference = difference(EN_300, words, &[MESH, &stiffness]);
+        assert!(difference < most, "{difference} %");
+    }
 }
 
 /// Modes that are left out answer to a strip that moves by `1/(1 − (v/c)²)` of what they would at rest: on a fine mesh
@@ -84,13 +88,14 @@ fn a_strip_under_the_end_of_a_second_wire_is_like_one_beside_it() {
 }
 
 /// Slack droppers and the move of the strip are followed within steps, so that longer steps hardly tell: also where a
-/// strip lifts the wire so far that wires behind it swing and make droppers slack, and with droppers like rods.
+/// strip lifts the wire so far that wires behind it swing and make droppers slack. With droppers like rods, modes that
+/// turn too far in a step tell more.
 #[test]
 fn longer_steps_change_the_force_little() {
     let cases = [
         (MESH, [0.3, 0.8]),
         ("pantograph[1].static_force=160.0", [0.3, 1.0]),
-        ("catenary.droppers.stiffness=1e7", [0.3, 1.0]),
+        ("catenary.droppers.stiffness=1e7", [0.75, 2.5]),
     ];
     for (line, most) in cases {
         let of = |step: f64| {

@@ -3,7 +3,7 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `aligned` | numbers of all modes in memory |
-//! | `step` | exact solution of a mode over a step |
+//! | `step` | solution of a mode over a step |
 //! | `kernels` | sums over all modes in the vector registers of the processor |
 mod aligned;
 pub mod kernels;

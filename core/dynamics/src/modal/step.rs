@@ -1,6 +1,6 @@
 //! Solution of a mode over a step: exact, or implicit where it would turn too far.
 use super::Aligned;
-use nalgebra::SMatrix;
+use nalgebra::{Matrix2, Matrix2x4, RowVector2, SMatrix, Vector2};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -153,29 +153,16 @@ fn over(stiffness: f64, damping: f64, h: f64) -> [[f64; 5]; 2] {
 /// the end of the step rises to that at rest and never beyond.
 fn newmark(stiffness: f64, damping: f64, h: f64) -> [[f64; 5]; 2] {
     let beta = 0.25 * (GAMMA + 0.5).powi(2);
-    // Shares of q₀, v₀, r₀ and r₁ in the acceleration at the begin, and in both equations but for that at the end.
-    let begin = [-stiffness, -damping, 1.0, 0.0];
-    let known = |own: [f64; 4], before: f64, now: f64| -> [f64; 4] {
-        std::array::from_fn(|k| own[k] + before * begin[k] + if k == 3 { now } else { 0.0 })
-    };
-    let [by_q, by_v] = [beta * h * h, GAMMA * h];
-    let of_q = known([1.0, h, 0.0, 0.0], h * h * (0.5 - beta), by_q);
-    let of_v = known([0.0, 1.0, 0.0, 0.0], h * (1.0 - GAMMA), by_v);
-    // (1 + by_q k) q₁ + by_q c v₁ = of_q,    by_v k q₁ + (1 + by_v c) v₁ = of_v.
-    let [qq, qv, vq, vv] = [
-        1.0 + by_q * stiffness,
-        by_q * damping,
-        by_v * stiffness,
-        1.0 + by_v * damping,
-    ];
-    let determinant = qq * vv - qv * vq;
-    let row = |[a, b]: [f64; 2]| -> [f64; 5] {
-        std::array::from_fn(|k| match k {
-            4 => 0.0,
-            _ => (a * of_q[k] + b * of_v[k]) / determinant,
-        })
-    };
-    [row([vv, -qv]), row([-vq, qq])]
+    // Accelerations at the begin and at the end, each as its share in `q₁` and in `v₁`.
+    let before = Vector2::new((0.5 - beta) * h * h, (1.0 - GAMMA) * h);
+    let now = Vector2::new(beta * h * h, GAMMA * h);
+    let own = RowVector2::new(stiffness, damping);
+    // end (q₁, v₁) = begin (q₀, v₀, r₀, r₁).
+    let end = Matrix2::identity() + now * own;
+    let motion = Matrix2::new(1.0, h, 0.0, 1.0) - before * own;
+    let begin = Matrix2x4::from_columns(&[motion.column(0), motion.column(1), before.column(0), now.column(0)]);
+    let rows = end.try_inverse().expect("its determinant is above one") * begin;
+    [0, 1].map(|row| std::array::from_fn(|k| if k < 4 { rows[(row, k)] } else { 0.0 }))
 }
 
 /// `exp(A)` by scaling and squaring of the series.

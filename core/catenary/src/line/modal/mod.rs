@@ -7,12 +7,13 @@
 //! q̈ₖ + cₖ q̇ₖ + ωₖ² qₖ = Σᵢ φₖ(xᵢ) Fᵢ − Σⱼ dₖⱼ pⱼ,    cₖ = φₖᵀ D φₖ,    dₖⱼ = gⱼᵀ φₖ
 //! ```
 //!
-//! is solved exactly for modal forces with a constant second derivative within a step: neither dispersion nor numerical
-//! damping is left. Forces of strips and of slack droppers go on from the step before as parabolas ([`lacking`]). At
-//! the end of a step the deflection of the wire under the strips is linear in the forces there, `w = w₀ + A F − C p`,
-//! so that contact and pantographs see a massless, yielding point under each strip, and the integrator no coordinate of
-//! the line. Modes that are left out answer at once, by the residual compliances `K⁻¹ − Σₖ φₖ φₖᵀ/ωₖ²` of strips and
-//! droppers; a strip that moves shakes them, so that they yield more to it.
+//! is solved exactly for modal forces with a constant second derivative within a step, but for modes that turn too far
+//! in a step: neither dispersion nor numerical damping is left. Forces of strips and of slack droppers go on from the
+//! step before as parabolas ([`lacking`]). At the end of a step the deflection of the wire under the strips is linear
+//! in the forces there, `w = w₀ + A F − C p`, so that contact and pantographs see a massless, yielding point under each
+//! strip, and the integrator no coordinate of the line. Modes that are left out answer at once, by the residual
+//! compliances `K⁻¹ − Σₖ φₖ φₖᵀ/ωₖ²` of strips and droppers; a strip that moves shakes them, so that they yield more to
+//! it.
 //!
 //! Modes are damped one by one, `cₖ = α + β ωₖ²`, which gives springs of droppers and supports dampers of `β k` that
 //! the line does not have. Near the strips forces take these dampers back; further away waves are damped too much.

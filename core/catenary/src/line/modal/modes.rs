@@ -76,8 +76,8 @@ struct Pencil {
 impl Modes {
     /// The modes of a line that are asked for, found now or before.
     ///
-    /// Forces of droppers have attachment modes where these leave forces from step to step stable; where they do not,
-    /// more modes are kept.
+    /// Forces of droppers have attachment modes unless their own dampers would make these swing; then more modes are
+    /// kept.
     pub fn of(linear: &mut LinearLine, layout: &Layout, wish: Wish) -> Result<Arc<Self>, StaticsError> {
         let pencil = Pencil::of(linear, layout);
         let linear: &LinearLine = linear;
@@ -113,16 +113,10 @@ impl Modes {
         let gradients: Vec<Vec<(usize, f64)>> = droppers.iter().map(gradient).collect();
         let factor = BandedFactor::new(&pencil.stiffness);
         let law = linear.droppers().law();
-        // Dampers that the modes give droppers beyond their own. Where forces cannot take them back, droppers are so
-        // stiff that they hardly give, and the dampers stay; where the own ones are the larger ones, attachment modes
-        // would swing.
+        // Dampers that the modes give droppers beyond their own: where the own ones are the larger ones, attachment
+        // modes would swing.
         let excess = wish.beta * law.stiffness - law.damping;
         let is_attached = excess >= -wish.bearable;
-        let taken_back = if is_attached && excess > wish.bearable {
-            0.0
-        } else {
-            excess
-        };
         let [with_attachments, without] = wish.highest;
         let highest = if is_attached { with_attachments } else { without };
         let known = eigenpairs_below(&pencil.stiffness, &pencil.mass, (TAU * highest).powi(2));
@@ -160,19 +154,20 @@ impl Modes {
                 *entry = along(gradient, vector) as f32;
             }
         }
-        let of_joints = |of_dropper: f64| -> Vec<f64> {
-            let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
-            std::iter::repeat_n(of_dropper, droppers.len())
-                .chain(of_supports)
-                .collect()
-        };
-        let (added, borrowed) = (of_joints(excess), of_joints(taken_back));
+        let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
+        let of_droppers = std::iter::repeat_n(excess, droppers.len());
+        let mut borrowed: Vec<f64> = of_droppers.chain(of_supports).collect();
         let of_line = SparseMatrix::from(&pencil.damping);
-        let damping = pairs.vectors.iter().map(|vector| {
-            let joints = joints.iter().zip(&added);
+        let of_modes = pairs.vectors.iter().map(|vector| {
+            let joints = joints.iter().zip(&borrowed);
             let by_joints = joints.map(|(gradient, damper)| damper * along(gradient, vector).powi(2));
             of_line.quadratic_form(vector) + by_joints.sum::<f64>()
         });
+        let damping: Vec<f64> = of_modes.collect();
+        // Forces cannot take back what gives more than they can bear: droppers that stiff hardly give, and keep it.
+        if excess > wish.bearable {
+            borrowed[..droppers.len()].fill(0.0);
+        }
         // Vectors end with modes that nothing excites.
         let padded = |mut values: Vec<f64>, rest: f64| {
             values.resize(modes, rest);
@@ -185,7 +180,7 @@ impl Modes {
         });
         let mut found = Self {
             highest,
-            damping: padded(damping.collect(), 0.0),
+            damping: padded(damping, 0.0),
             stiffness: padded(pairs.values, 1.0),
             row_of: pencil.row_of.clone(),
             rows,

@@ -1,5 +1,5 @@
 //! Eigenpairs of what a pencil answers to given forces beyond eigenpairs that are known.
-use super::subspace::gram;
+use super::subspace::{gram, turned};
 use super::{BandedFactor, Eigenpairs};
 use crate::SparseMatrix;
 use faer::linalg::matmul::matmul;
@@ -47,21 +47,19 @@ pub fn attachment_pairs(
     }
     // `gᵢᵀ vⱼ = vᵢᵀ K vⱼ`.
     let stiffness = Mat::from_fn(count, count, |i, j| work(&forces[i], &shapes[j * n..][..n]));
-    let (_, shapes) = orthonormal(&shapes, &stiffness, LEAST * whole);
+    let shapes = orthonormal(&shapes, &stiffness, LEAST * whole);
+    if shapes.is_empty() {
+        return Eigenpairs::default();
+    }
     let inertia = gram(&shapes, &mass.multiply_columns(&shapes), n);
-    let (values, vectors) = orthonormal(&shapes, &inertia, 0.0);
-    let pairs = values.iter().zip(vectors.chunks_exact(n)).rev();
-    let (values, vectors) = pairs.map(|(value, vector)| (1.0 / value, vector.to_vec())).unzip();
-    Eigenpairs { values, vectors }
+    let size = inertia.nrows();
+    turned(&shapes, (Mat::identity(size, size), inertia))
 }
 
-/// Combinations of shapes that are orthonormal in a product, of which the shapes have these `products` between them,
-/// after the eigenvalue of the products that each belongs to; those of `least` or less are left out.
-fn orthonormal(shapes: &[f64], products: &Mat<f64>, least: f64) -> (Vec<f64>, Vec<f64>) {
+/// Combinations of shapes that are orthonormal in a product, of which the shapes have these `products` between them;
+/// those that have `least` or less are left out.
+fn orthonormal(shapes: &[f64], products: &Mat<f64>, least: f64) -> Vec<f64> {
     let size = products.nrows();
-    if size == 0 {
-        return (Vec::new(), Vec::new());
-    }
     let n = shapes.len() / size;
     let eigen = products
         .self_adjoint_eigen(Side::Lower)
@@ -78,7 +76,7 @@ fn orthonormal(shapes: &[f64], products: &Mat<f64>, least: f64) -> (Vec<f64>, Ve
         1.0,
         Par::Seq,
     );
-    (values, found)
+    found
 }
 
 #[cfg(test)]

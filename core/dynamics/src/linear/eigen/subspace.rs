@@ -93,7 +93,7 @@ fn root(inertia: Mat<f64>) -> (Mat<f64>, Vec<f64>) {
 }
 
 /// The eigenpairs within the space of some vectors, from the pencil restricted to them.
-fn turned(vectors: &[f64], (stiffness, inertia): (Mat<f64>, Mat<f64>)) -> Eigenpairs {
+pub(super) fn turned(vectors: &[f64], (stiffness, inertia): (Mat<f64>, Mat<f64>)) -> Eigenpairs {
     let size = stiffness.nrows();
     let n = vectors.len() / size;
     let (lower, scale) = root(inertia);
