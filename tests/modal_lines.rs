@@ -55,6 +55,25 @@ fn a_planar_line_in_its_modes_is_the_linearised_one() {
     }
 }
 
+/// Wires have no dampers along them. Forces take those of the modes back on the whole line, for which soft droppers and
+/// some seconds are needed to tell.
+#[test]
+fn wires_that_modes_stretch_are_not_damped_by_it() {
+    let words = ["\"planar\", \"linearised\"", "\"modal\""];
+    let longer = [
+        MESH,
+        "catenary.droppers.stiffness=2e4",
+        "pantograph[1].static_force=50.0",
+        "run.speed_kmh=250",
+        "catenary.spans=8",
+        "run.start_x=20",
+        "run.duration=4.8",
+        "run.evaluate={time=[1.1,4.8]}",
+    ];
+    let difference = difference(EN_300, words, &longer);
+    assert!(difference < 0.25, "{difference} %");
+}
+
 /// Modes that are left out answer to a strip that moves by `1/(1 − (v/c)²)` of what they would at rest: on a fine mesh
 /// that is a good part of the difference.
 #[test]

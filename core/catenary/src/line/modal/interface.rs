@@ -4,10 +4,8 @@ use super::lacking::Lacking;
 use super::lane::Lane;
 use super::modes::Modes;
 use super::pass::HELD;
-use dynamics::modal::kernels::LANES;
 use dynamics::unilateral::next_of;
 use dynamics::{Blocks, Force, LowRank, Motion, State, StepHistory, Updates, Weights};
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Droppers up to this far from a strip are watched in every step, m.
@@ -29,8 +27,6 @@ const LONGER: f64 = 2.0;
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-6;
-/// Frequency up to which modes are drawn, Hz: those above move wires by less than a line's width.
-const DRAWN: f64 = 30.0;
 /// Reason why the lane is there.
 const HERE: &str = "amplitudes are away only while they are moved on";
 
@@ -77,8 +73,6 @@ pub(super) struct Interface {
     /// Droppers that are not near a strip: those whose turn it is, and loose ones.
     in_turn: Vec<usize>,
     loose: Vec<usize>,
-    /// Modes up to [`DRAWN`].
-    drawn: usize,
     /// Change of the forces with the deflections of the points, N/m, row by row; and what the factored matrix has.
     slope: Vec<f64>,
     assembled: Vec<f64>,
@@ -109,11 +103,6 @@ impl Interface {
         let (modes, contacts) = (Arc::clone(&lane.modes), points.len());
         let mut slope = vec![0.0; contacts * contacts];
         (0..contacts).for_each(|point| slope[point * (contacts + 1)] = HELD);
-        let drawn = modes
-            .stiffness
-            .iter()
-            .take_while(|stiffness| **stiffness < (TAU * DRAWN).powi(2))
-            .count();
         Self {
             joint_rates: vec![f64::NAN; modes.borrowed.len()],
             forces: vec![0.0; contacts],
@@ -126,7 +115,6 @@ impl Interface {
             steps: 0,
             in_turn: Vec::with_capacity(modes.droppers()),
             loose: Vec::with_capacity(modes.droppers()),
-            drawn: drawn.next_multiple_of(LANES).min(modes.count()),
             assembled: slope.clone(),
             coordinates: points.iter().map(|point| point.coordinate).collect(),
             scaled: slope.clone(),
@@ -159,9 +147,9 @@ impl Interface {
         self.lane().along(coordinate, &self.lane().q)
     }
 
-    /// As [`Interface::deflection_of`], by modes up to [`DRAWN`]: good enough for a picture.
+    /// As [`Interface::deflection_of`], by slow modes: good enough for a picture.
     pub fn drawn_deflection_of(&self, coordinate: usize) -> f64 {
-        self.lane().along(coordinate, &self.lane().q[..self.drawn])
+        self.lane().along(coordinate, &self.lane().q[..self.modes.slow])
     }
 
     /// Rate of [`Interface::deflection_of`], m/s.

@@ -113,7 +113,7 @@ impl Lane {
             v: room(),
             r: room(),
             next: [room(), room(), room()],
-            room: Room::new(modes.count()),
+            room: Room::new(&modes),
             h: 0.0,
             places: vec![[f64::NAN; 2]; points],
             known_forces: vec![[0.0; 2]; points],
@@ -241,6 +241,7 @@ fn begin(lanes: &mut [&mut Lane]) {
         arch,
         modes: &modes,
         factors: &answers.step,
+        stretching: &answers.stretching,
         pass: own,
     };
     together.move_on(Half::Begin, lanes);
@@ -264,6 +265,7 @@ fn end(lanes: &mut [&mut Lane]) {
         arch,
         modes: &modes,
         factors: &answers.step,
+        stretching: &answers.stretching,
         pass: &pass,
     };
     together.move_on(Half::End, lanes);

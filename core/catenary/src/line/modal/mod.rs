@@ -16,7 +16,8 @@
 //! it.
 //!
 //! Modes are damped one by one, `cₖ = α + β ωₖ²`, which gives springs of droppers and supports dampers of `β k` that
-//! the line does not have. Near the strips forces take these dampers back; further away waves are damped too much.
+//! the line does not have, and wires such along them ([`stretch`]). Forces take those along wires back, and the others
+//! near the strips; further away waves are damped too much.
 //!
 //! ```text
 //! file       subject
@@ -29,6 +30,7 @@
 //! pass       strips under the wire in one step, for all lines alike
 //! curve      the contact wire under one strip
 //! store      modes found before
+//! stretch    lengths of wires that modes stretch
 //! together   moves of lines with strips at the same places
 //! packed     rows of them as bytes
 //! ```
@@ -42,6 +44,7 @@ mod packed;
 mod pass;
 mod slack;
 mod store;
+mod stretch;
 mod together;
 
 use crate::line::Uplift;

@@ -1,6 +1,7 @@
 //! The modes of a linearised line, and what the modes left out add.
 use super::base::Wish;
 use super::store::{Key, known_or};
+use super::stretch::stretches;
 use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve};
 use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, attachment_pairs, eigenpairs_below};
 use dynamics::modal::Aligned;
@@ -14,6 +15,10 @@ use std::sync::Arc;
 const NEAR: usize = 12;
 /// Rows of a contact wire that are near a place.
 const WIDTH: usize = 2 * NEAR + 1;
+/// Frequency of slow modes, Hz: others move wires by less than a line's width in a picture, and stretch them unevenly.
+const SLOW: f64 = 30.0;
+/// Largest rate at which dampers along wires may brake slow modes, 1/s: forces take these back once in a step.
+const BRAKED: f64 = 100.0;
 /// Marks a coordinate without a row.
 const NONE: u32 = u32::MAX;
 
@@ -54,6 +59,13 @@ pub(super) struct Modes {
     /// a hundredth of a newton, halves the time that droppers take.
     #[serde(with = "super::packed")]
     joint_rows: Aligned,
+    /// Number of slow modes.
+    pub slow: usize,
+    /// Elongation of each length of a wire by slow modes, length after length.
+    #[serde(with = "super::packed")]
+    stretch_rows: Aligned,
+    /// Dampers of each length that slow modes have and forces take back, N·s/m.
+    pub stretch_dampers: Vec<f64>,
     /// Residual deflection of the rows of contact wires by a unit force along each dropper, dropper after dropper, m/N.
     dropper_residual: Vec<f64>,
     /// Residual elongation of droppers by unit forces along each other one, m/N.
@@ -154,14 +166,33 @@ impl Modes {
                 *entry = along(gradient, vector) as f32;
             }
         }
+        let below = pairs.values.partition_point(|value| *value < (TAU * SLOW).powi(2));
+        let slow = below.next_multiple_of(LANES).min(modes);
+        let braked = wish.beta * (TAU * SLOW).powi(2);
+        let stretches = if braked > 0.0 && braked <= BRAKED {
+            stretches(linear, free)
+        } else {
+            Vec::new()
+        };
+        let mut stretch_rows = Aligned::zeros(stretches.len() * slow);
+        for (row, stretch) in stretch_rows.chunks_exact_mut(slow.max(1)).zip(&stretches) {
+            for (entry, vector) in row.iter_mut().zip(&pairs.vectors) {
+                *entry = along(&stretch.gradient, vector) as f32;
+            }
+        }
+        let stretch_dampers = stretches.iter().map(|stretch| wish.beta * stretch.stiffness);
+        let stretch_dampers: Vec<f64> = stretch_dampers.collect();
         let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
         let of_droppers = std::iter::repeat_n(excess, droppers.len());
         let mut borrowed: Vec<f64> = of_droppers.chain(of_supports).collect();
         let of_line = SparseMatrix::from(&pencil.damping);
-        let of_modes = pairs.vectors.iter().map(|vector| {
+        let of_modes = pairs.vectors.iter().enumerate().map(|(mode, vector)| {
             let joints = joints.iter().zip(&borrowed);
             let by_joints = joints.map(|(gradient, damper)| damper * along(gradient, vector).powi(2));
-            of_line.quadratic_form(vector) + by_joints.sum::<f64>()
+            let stretches = stretch_rows.chunks_exact(slow.max(1)).zip(&stretch_dampers);
+            let stretches = stretches.filter(|_| mode < slow);
+            let by_stretches = stretches.map(|(row, damper)| damper * f64::from(row[mode]).powi(2));
+            of_line.quadratic_form(vector) + by_joints.sum::<f64>() + by_stretches.sum::<f64>()
         });
         let damping: Vec<f64> = of_modes.collect();
         // Forces cannot take back what gives more than they can bear: droppers that stiff hardly give, and keep it.
@@ -199,6 +230,9 @@ impl Modes {
             support_x: supports.iter().map(|support| support.x).collect(),
             dropper_x,
             joint_rows,
+            slow,
+            stretch_rows,
+            stretch_dampers,
             dropper_residual: Vec::new(),
             between_droppers: Vec::new(),
         };
@@ -275,6 +309,11 @@ impl Modes {
     /// `gⱼᵀ φₖ` of a dropper, or of a support with a damper: these follow the droppers.
     pub fn joint(&self, joint: usize) -> &[f32] {
         &self.joint_rows[joint * self.count()..][..self.count()]
+    }
+
+    /// Elongation of a length of a wire by slow modes.
+    pub fn stretch(&self, length: usize) -> &[f32] {
+        &self.stretch_rows[length * self.slow..][..self.slow]
     }
 
     /// Residual elongation of a dropper by a unit force along another one, m/N.

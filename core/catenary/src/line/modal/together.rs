@@ -2,6 +2,7 @@
 use super::lane::{Half, Lane};
 use super::modes::Modes;
 use super::pass::{Pass, Point};
+use dynamics::Lu;
 use dynamics::modal::kernels::{self, Ending, Motions};
 use dynamics::modal::{Aligned, StepFactors};
 use pulp::Arch;
@@ -11,22 +12,29 @@ use pulp::Arch;
 pub(super) struct Room {
     forces: [Aligned; 2],
     bends: [Aligned; 2],
+    /// Rates of lengths of wires, m/s, and then forces along these, N.
+    lengths: [Vec<f64>; 2],
 }
 
 impl Room {
-    pub fn new(modes: usize) -> Self {
-        let two = || [(); 2].map(|()| Aligned::zeros(modes));
+    pub fn new(modes: &Modes) -> Self {
+        let two = || [(); 2].map(|()| Aligned::zeros(modes.count()));
         Self {
             forces: two(),
             bends: two(),
+            lengths: [(); 2].map(|()| Vec::with_capacity(modes.stretch_dampers.len())),
         }
     }
 }
 
+/// The first `L` of two.
+fn of_lines<T, const L: usize>(two: &mut [T; 2]) -> [&mut T; L] {
+    two.first_chunk_mut().expect("at most two lines").each_mut()
+}
+
 /// The first `L` rows.
 fn first<const L: usize>(rows: &mut [Aligned; 2]) -> [&mut [f32]; L] {
-    let rows = rows.first_chunk_mut().expect("at most two lines");
-    rows.each_mut().map(|row| &mut **row)
+    of_lines(rows).map(|row| &mut **row)
 }
 
 /// Parts that lines have in common in a half of a step.
@@ -34,6 +42,8 @@ pub(super) struct Together<'a> {
     pub arch: Arch,
     pub modes: &'a Modes,
     pub factors: &'a StepFactors,
+    /// See [`Answers::stretching`](super::slack::Answers).
+    pub stretching: &'a Lu,
     pub pass: &'a Pass,
 }
 
@@ -81,6 +91,8 @@ impl Together<'_> {
             }
         });
         kernels::free(arch, self.factors.of(0..modes.count()), motions);
+        drop(bends);
+        self.take_back_stretching(&mut lanes, room);
         let points = &self.pass.points;
         for lane in lanes {
             let mut motions = std::mem::take(&mut lane.motions);
@@ -92,6 +104,32 @@ impl Together<'_> {
             }
             lane.motions = motions;
         }
+    }
+
+    /// Adds forces that take dampers along wires back, at the end of the step as the rates there without the forces of
+    /// strips and slack droppers: these hardly stretch wires within a step.
+    fn take_back_stretching<const L: usize>(&self, lanes: &mut [&mut Lane; L], room: &mut Room) {
+        let (arch, modes, slow) = (self.arch, self.modes, self.modes.slow);
+        let count = modes.stretch_dampers.len();
+        if count == 0 {
+            return;
+        }
+        let mut lengths = of_lines::<_, L>(&mut room.lengths);
+        lengths.iter_mut().for_each(|rates| rates.clear());
+        let ends = lanes.each_ref().map(|lane| [&lane.next[1][..slow]]);
+        let rates = lengths.each_mut().map(|rates| &mut **rates);
+        self.add_sums((count, |length| modes.stretch(length)), ends, rates, |[rate]| rate);
+        lengths.iter_mut().for_each(|lengths| self.stretching.solve(lengths));
+        let mut rows = first::<L>(&mut room.forces).map(|row| &mut row[..slow]);
+        let along = (0..count).map(|length| (modes.stretch(length), lengths.each_ref().map(|forces| forces[length])));
+        kernels::weigh(arch, along, rows.each_mut().map(|row| &mut **row));
+        room.bends[0][..slow].fill(0.0);
+        let (mut rows, straight) = (rows.into_iter(), &room.bends[0][..slow]);
+        let lines = lanes.each_mut().map(|lane| Ending {
+            forces: [rows.next().expect("one for each line"), straight],
+            end: lane.next.each_mut().map(|values| &mut values[..slow]),
+        });
+        kernels::finish(arch, self.factors.of(0..slow), lines);
     }
 
     /// Motion at the end of the step: of all modes, of the points, and of the droppers and supports that are watched.
@@ -154,35 +192,36 @@ impl Together<'_> {
         rates: bool,
         motions: [&mut Vec<[f64; 2]>; L],
     ) {
-        if rates {
-            let ends = lanes.map(|lane| [&*lane.next[0], &lane.next[1]]);
-            self.add_sums(places, ends, motions, |motion| motion);
-        } else {
-            let ends = lanes.map(|lane| [&*lane.next[0]]);
-            self.add_sums(places, ends, motions, |[deflection]| [deflection, 0.0]);
-        }
-    }
-
-    /// Adds `N` sums over each of their rows, as motions.
-    fn add_sums<const L: usize, const N: usize>(
-        &self,
-        (points, joints): (&[Point], &[usize]),
-        ends: [[&[f32]; N]; L],
-        mut motions: [&mut Vec<[f64; 2]>; L],
-        motion: impl Fn([f64; N]) -> [f64; 2],
-    ) {
-        let mut add = |sums: &[[[f64; N]; L]]| {
-            for sums in sums {
-                for (motions, sums) in motions.iter_mut().zip(sums) {
-                    motions.push(motion(*sums));
-                }
-            }
-        };
+        let (points, joints) = places;
         let row = |at: usize| match points.get(at) {
             Some(point) => point.shape(),
             None => self.modes.joint(joints[at - points.len()]),
         };
-        let count = points.len() + joints.len();
+        let rows = (points.len() + joints.len(), row);
+        if rates {
+            let ends = lanes.map(|lane| [&*lane.next[0], &lane.next[1]]);
+            self.add_sums(rows, ends, motions, |motion| motion);
+        } else {
+            let ends = lanes.map(|lane| [&*lane.next[0]]);
+            self.add_sums(rows, ends, motions, |[deflection]| [deflection, 0.0]);
+        }
+    }
+
+    /// Adds what follows from `N` sums over each of `count` rows.
+    fn add_sums<'a, const L: usize, const N: usize, T>(
+        &self,
+        (count, row): (usize, impl Fn(usize) -> &'a [f32]),
+        ends: [[&[f32]; N]; L],
+        mut found: [&mut Vec<T>; L],
+        of_sums: impl Fn([f64; N]) -> T,
+    ) {
+        let mut add = |sums: &[[[f64; N]; L]]| {
+            for sums in sums {
+                for (found, sums) in found.iter_mut().zip(sums) {
+                    found.push(of_sums(*sums));
+                }
+            }
+        };
         for at in (0..count).step_by(4) {
             match count - at {
                 1 => add(&kernels::dots_of_rows(self.arch, [row(at)], ends)),
