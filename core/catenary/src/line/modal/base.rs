@@ -11,6 +11,8 @@ pub(crate) struct Wish {
     pub(super) flat: bool,
     /// Highest mode where forces of droppers have attachment modes, and where they have none, Hz.
     pub(super) highest: [f64; 2],
+    /// Dampers along wires, which modes have and wires do not, are taken back.
+    pub(super) stretching: bool,
     /// Damping of wires in proportion to their stiffness, s.
     pub(super) beta: f64,
     /// Largest damper that forces from step to step can take back where attachment modes swing, N·s/m.

@@ -95,7 +95,7 @@ impl Modes {
         let linear: &LinearLine = linear;
         let mut key = Key::new();
         key.add(wish.highest);
-        key.add([wish.beta, wish.bearable]);
+        key.add([wish.beta, wish.bearable, f64::from(u8::from(wish.stretching))]);
         key.add(
             pencil
                 .free
@@ -169,7 +169,7 @@ impl Modes {
         let below = pairs.values.partition_point(|value| *value < (TAU * SLOW).powi(2));
         let slow = below.next_multiple_of(LANES).min(modes);
         let braked = wish.beta * (TAU * SLOW).powi(2);
-        let stretches = if braked > 0.0 && braked <= BRAKED {
+        let stretches = if wish.stretching && braked <= BRAKED {
             stretches(linear, free)
         } else {
             Vec::new()

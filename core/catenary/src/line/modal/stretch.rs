@@ -4,8 +4,8 @@ use crate::{LinearLine, WireNode};
 
 /// A wire from support to support, as a spring along it: waves along wires are so long that it stretches evenly.
 ///
-/// Wires have no dampers along them, but those of beam elements. Their sag makes modes of a span stretch them, and modes
-/// that are damped in proportion to their stiffness have such dampers.
+/// Wires have no dampers along them, but those of beam elements. Their sag makes modes of a span stretch them, and
+/// modes that are damped in proportion to their stiffness have such dampers.
 pub(super) struct Stretch {
     /// Its elongation by each coordinate that is not held.
     pub gradient: Vec<(usize, f64)>,
@@ -13,7 +13,8 @@ pub(super) struct Stretch {
     pub stiffness: f64,
 }
 
-/// The lengths of all wires without such dampers that can stretch; `free` are the numbers of the coordinates that are not held.
+/// The lengths of all wires without such dampers that can stretch; `free` are the numbers of the coordinates that are
+/// not held.
 pub(super) fn stretches(linear: &LinearLine, free: &[Option<usize>]) -> Vec<Stretch> {
     let Some(line) = linear.shape() else {
         return Vec::new();
