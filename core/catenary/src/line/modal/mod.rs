@@ -85,9 +85,9 @@ const ATTACHED: f64 = 30.0;
 /// [`COARSE`] there.
 const COARSE_ATTACHED: f64 = 0.4;
 
-/// Error of the filtered force by dampers along wires, % of its standard deviation, times `k/β` with the stiffness of the
-/// droppers, N/(m s). Fitted to the line of EN 50318 at 250 km/h with droppers of 2e4 and 1e5 N/m. To take these dampers back
-/// costs a tenth of a step: not worth it for errors that are larger by far.
+/// Error of the filtered force by dampers along wires, % of its standard deviation, times `k/β` with the stiffness of
+/// the droppers, N/(m s). Fitted to the line of EN 50318 at 250 km/h with droppers of 2e4 and 1e5 N/m. To take these
+/// dampers back costs a tenth of a step: not worth it for errors that are larger by far.
 const ALONG: f64 = 2e8;
 
 /// A line in its own modes.
