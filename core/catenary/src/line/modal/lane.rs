@@ -240,8 +240,7 @@ fn begin(lanes: &mut [&mut Lane]) {
     let together = Together {
         arch,
         modes: &modes,
-        factors: &answers.step,
-        stretching: &answers.stretching,
+        answers: &answers,
         pass: own,
     };
     together.move_on(Half::Begin, lanes);
@@ -264,8 +263,7 @@ fn end(lanes: &mut [&mut Lane]) {
     let together = Together {
         arch,
         modes: &modes,
-        factors: &answers.step,
-        stretching: &answers.stretching,
+        answers: &answers,
         pass: &pass,
     };
     together.move_on(Half::End, lanes);

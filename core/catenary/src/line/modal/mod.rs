@@ -111,10 +111,11 @@ impl ModalLine {
         check_dampers(scene)?;
         let line = scene.modelled_line().map(|(line, _)| line);
         let beta = line.map_or(0.0, |line| line.damping.beta);
+        let error_of_mesh = mesh::expected_error(scene).map_or(f64::INFINITY, |error| error.total());
         let wish = Wish {
             flat: scene.model.has(Reduction::Flat),
-            highest: highest(scene),
-            stretching: tells_stretching(scene),
+            highest: highest(scene, error_of_mesh),
+            stretching: line.is_some_and(|line| tells_stretching(line, error_of_mesh)),
             beta,
             bearable: line.map_or(0.0, |line| for_rate(line, MOST_ATTACHED)),
             h: scene.solver.micro_step,
@@ -220,28 +221,25 @@ fn for_rate(line: &Catenary, kappa: f64) -> f64 {
     kappa / (0.5 * (compliance(&line.contact_wire) + above))
 }
 
-/// Error of the mesh of a scene that modes are chosen by, % of the standard deviation; `coarse` beyond [`MOST`].
-fn error_of_mesh(scene: &Scene, coarse: f64) -> f64 {
-    let error = mesh::expected_error(scene).map_or(f64::INFINITY, |error| error.total());
-    if error > MOST { coarse } else { error }
+/// Error of the mesh that modes are chosen by, % of the standard deviation; `coarse` beyond [`MOST`].
+fn counted(error_of_mesh: f64, coarse: f64) -> f64 {
+    if error_of_mesh > MOST { coarse } else { error_of_mesh }
 }
 
 /// Highest frequency of the modes of a scene where forces of droppers have attachment modes, and where they have none,
 /// Hz.
-fn highest(scene: &Scene) -> [f64; 2] {
+fn highest(scene: &Scene, error_of_mesh: f64) -> [f64; 2] {
     let slowest = scene
         .modelled_line()
         .map_or(f64::INFINITY, |(line, _)| line.slowest_wave());
     let of_strip = scene.run.low_pass_hz / (1.0 - scene.run.speed / slowest).max(0.05).sqrt();
     [[ATTACHED, COARSE_ATTACHED], [LEFT_OUT, COARSE]]
-        .map(|[left_out, coarse]| of_strip * (left_out / (SHARE * error_of_mesh(scene, coarse))).cbrt())
+        .map(|[left_out, coarse]| of_strip * (left_out / (SHARE * counted(error_of_mesh, coarse))).cbrt())
 }
 
-/// True for a scene in which dampers along wires would tell.
-fn tells_stretching(scene: &Scene) -> bool {
-    let moved = |line: &Catenary| ALONG * line.damping.beta / line.droppers.stiffness;
-    let line = scene.modelled_line();
-    line.is_some_and(|(line, _)| moved(line) > error_of_mesh(scene, COARSE_ATTACHED) / 3.0)
+/// True for a line in which dampers along wires would tell.
+fn tells_stretching(line: &Catenary, error_of_mesh: f64) -> bool {
+    ALONG * line.damping.beta / line.droppers.stiffness > counted(error_of_mesh, COARSE_ATTACHED) / 3.0
 }
 
 impl OverheadLine for ModalLine {

@@ -160,12 +160,7 @@ impl Modes {
         let supports = supports(linear, free);
         let held = supports.iter().map(|support| vec![(support.free, 1.0)]);
         let joints: Vec<Vec<(usize, f64)>> = gradients.iter().cloned().chain(held).collect();
-        let mut joint_rows = Aligned::zeros(joints.len() * modes);
-        for (row, gradient) in joint_rows.chunks_exact_mut(modes.max(1)).zip(&joints) {
-            for (entry, vector) in row.iter_mut().zip(&pairs.vectors) {
-                *entry = along(gradient, vector) as f32;
-            }
-        }
+        let joint_rows = rows_along(&joints, &pairs.vectors, modes);
         let below = pairs.values.partition_point(|value| *value < (TAU * SLOW).powi(2));
         let slow = below.next_multiple_of(LANES).min(modes);
         let braked = wish.beta * (TAU * SLOW).powi(2);
@@ -174,14 +169,11 @@ impl Modes {
         } else {
             Vec::new()
         };
-        let mut stretch_rows = Aligned::zeros(stretches.len() * slow);
-        for (row, stretch) in stretch_rows.chunks_exact_mut(slow.max(1)).zip(&stretches) {
-            for (entry, vector) in row.iter_mut().zip(&pairs.vectors) {
-                *entry = along(&stretch.gradient, vector) as f32;
-            }
-        }
-        let stretch_dampers = stretches.iter().map(|stretch| wish.beta * stretch.stiffness);
-        let stretch_dampers: Vec<f64> = stretch_dampers.collect();
+        let (gradients_of_lengths, stretch_dampers): (Vec<_>, Vec<_>) = stretches
+            .into_iter()
+            .map(|stretch| (stretch.gradient, wish.beta * stretch.stiffness))
+            .unzip();
+        let stretch_rows = rows_along(&gradients_of_lengths, &pairs.vectors, slow);
         let of_supports = supports.iter().map(|support| wish.beta * support.stiffness);
         let of_droppers = std::iter::repeat_n(excess, droppers.len());
         let mut borrowed: Vec<f64> = of_droppers.chain(of_supports).collect();
@@ -358,6 +350,17 @@ impl Modes {
 fn times(row: &[f32], values: &[f64]) -> Vec<f64> {
     let entries = row.iter().zip(values);
     entries.map(|(entry, value)| f64::from(*entry) * value).collect()
+}
+
+/// `gᵀ φ` of the first `count` vectors for each gradient, gradient after gradient; zeros where there are fewer vectors.
+fn rows_along(gradients: &[Vec<(usize, f64)>], vectors: &[Vec<f64>], count: usize) -> Aligned {
+    let mut rows = Aligned::zeros(gradients.len() * count);
+    for (row, gradient) in rows.chunks_exact_mut(count.max(1)).zip(gradients) {
+        for (entry, vector) in row.iter_mut().zip(vectors) {
+            *entry = along(gradient, vector) as f32;
+        }
+    }
+    rows
 }
 
 /// `gᵀ x`.

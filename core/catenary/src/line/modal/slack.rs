@@ -2,6 +2,7 @@
 use super::lacking::bend;
 use super::modes::Modes;
 use super::pass::Pass;
+use super::stretch::taking_back;
 use dynamics::Lu;
 use dynamics::modal::{Aligned, StepFactors, kernels};
 use pulp::Arch;
@@ -36,7 +37,7 @@ impl Answers {
     pub fn new(modes: &Modes, h: f64) -> Self {
         let step = StepFactors::new(&modes.stiffness, &modes.damping, h);
         Self {
-            stretching: stretching(modes, &step),
+            stretching: taking_back(modes, &step),
             step,
             between_droppers: vec![[f64::NAN; 2]; modes.droppers().pow(2)],
             products: std::array::from_fn(|_| Aligned::zeros(modes.count())),
@@ -73,23 +74,6 @@ impl Answers {
         self.between_droppers[a * modes.droppers() + b] = answer;
         self.between_droppers[b * modes.droppers() + a] = answer;
     }
-}
-
-/// `B⁻¹ − G`: forces `f = B s` for rates `s = s₀ + G f`, with the dampers `B` and the answers `G` at the end of a step.
-fn stretching(modes: &Modes, step: &StepFactors) -> Lu {
-    let (arch, count) = (Arch::new(), modes.stretch_dampers.len());
-    let mut factored = Lu::default();
-    let matrix = factored.matrix(count);
-    let mut by_force = Aligned::zeros(modes.slow);
-    for (other, damper) in modes.stretch_dampers.iter().enumerate() {
-        kernels::products(arch, modes.stretch(other), &step.v1[..modes.slow], &mut by_force);
-        for length in 0..count {
-            let [answer] = kernels::dots(arch, modes.stretch(length), [&by_force]);
-            matrix[length * count + other] = f64::from(u8::from(length == other)) / damper - answer;
-        }
-    }
-    factored.factor().expect("dampers that brake modes slowly");
-    factored
 }
 
 /// Answers to a unit of something that each candidate lacks, candidate after candidate.

@@ -1,6 +1,10 @@
 //! Lengths of wires that modes stretch.
+use super::modes::Modes;
 use crate::line::topology::Fastening;
 use crate::{LinearLine, WireNode};
+use dynamics::Lu;
+use dynamics::modal::{Aligned, StepFactors, kernels};
+use pulp::Arch;
 
 /// A wire from support to support, as a spring along it: waves along wires are so long that it stretches evenly.
 ///
@@ -24,8 +28,9 @@ pub(super) fn stretches(linear: &LinearLine, free: &[Option<usize>]) -> Vec<Stre
     let wires = line.topology().wires().iter().zip(line.wires());
     for (planned, wire) in wires.filter(|(planned, _)| !planned.beam) {
         let nodes = wire.geometry().nodes();
-        let is_end = |node: &usize| *node == nodes.len() - 1 || planned.fastenings[*node] == Fastening::Support;
-        let ends: Vec<usize> = (0..nodes.len()).filter(|node| *node == 0 || is_end(node)).collect();
+        let is_end =
+            |node: &usize| [0, nodes.len() - 1].contains(node) || planned.fastenings[*node] == Fastening::Support;
+        let ends: Vec<usize> = (0..nodes.len()).filter(is_end).collect();
         for ends in ends.windows(2) {
             let nodes = &nodes[ends[0]..=ends[1]];
             if nodes.iter().any(moves_along) {
@@ -54,6 +59,23 @@ impl Stretch {
             stiffness: axial_stiffness / length,
         }
     }
+}
+
+/// `B⁻¹ − G`: forces `f = B s` for rates `s = s₀ + G f`, with the dampers `B` and the answers `G` at the end of a step.
+pub(super) fn taking_back(modes: &Modes, step: &StepFactors) -> Lu {
+    let (arch, count) = (Arch::new(), modes.stretch_dampers.len());
+    let mut factored = Lu::default();
+    let matrix = factored.matrix(count);
+    let mut by_force = Aligned::zeros(modes.slow);
+    for (other, damper) in modes.stretch_dampers.iter().enumerate() {
+        kernels::products(arch, modes.stretch(other), &step.v1[..modes.slow], &mut by_force);
+        for length in 0..count {
+            let [answer] = kernels::dots(arch, modes.stretch(length), [&by_force]);
+            matrix[length * count + other] = f64::from(u8::from(length == other)) / damper - answer;
+        }
+    }
+    factored.factor().expect("dampers that brake modes slowly");
+    factored
 }
 
 #[cfg(test)]

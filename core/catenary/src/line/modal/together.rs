@@ -2,9 +2,9 @@
 use super::lane::{Half, Lane};
 use super::modes::Modes;
 use super::pass::{Pass, Point};
-use dynamics::Lu;
+use super::slack::Answers;
+use dynamics::modal::Aligned;
 use dynamics::modal::kernels::{self, Ending, Motions};
-use dynamics::modal::{Aligned, StepFactors};
 use pulp::Arch;
 
 /// Modal forces of each of two lines, and their bends.
@@ -41,9 +41,7 @@ fn first<const L: usize>(rows: &mut [Aligned; 2]) -> [&mut [f32]; L] {
 pub(super) struct Together<'a> {
     pub arch: Arch,
     pub modes: &'a Modes,
-    pub factors: &'a StepFactors,
-    /// See [`Answers::stretching`](super::slack::Answers).
-    pub stretching: &'a Lu,
+    pub answers: &'a Answers,
     pub pass: &'a Pass,
 }
 
@@ -69,7 +67,7 @@ impl Together<'_> {
         let points = self.pass.points.iter().enumerate();
         let by_points = points.filter_map(|(number, point)| {
             // `c₀ F₀` by the move, and of the second difference of the force the part that is known.
-            let per_step = point.per_step(self.factors.h)?;
+            let per_step = point.per_step(self.answers.step.h)?;
             let forces = lanes.each_ref().map(|lane| lane.known_forces[number]);
             let known = |[before, begin]: [f64; 2]| per_step * (2.0 * begin - before);
             let by_move = (&*point.bends[0], forces.map(|[_, begin]| begin));
@@ -90,7 +88,7 @@ impl Together<'_> {
                 end: [q, v],
             }
         });
-        kernels::free(arch, self.factors.of(0..modes.count()), motions);
+        kernels::free(arch, self.answers.step.of(0..modes.count()), motions);
         drop(bends);
         self.take_back_stretching(&mut lanes, room);
         let points = &self.pass.points;
@@ -119,7 +117,9 @@ impl Together<'_> {
         let ends = lanes.each_ref().map(|lane| [&lane.next[1][..slow]]);
         let rates = lengths.each_mut().map(|rates| &mut **rates);
         self.add_sums((count, |length| modes.stretch(length)), ends, rates, |[rate]| rate);
-        lengths.iter_mut().for_each(|lengths| self.stretching.solve(lengths));
+        lengths
+            .iter_mut()
+            .for_each(|lengths| self.answers.stretching.solve(lengths));
         let mut rows = first::<L>(&mut room.forces).map(|row| &mut row[..slow]);
         let along = (0..count).map(|length| (modes.stretch(length), lengths.each_ref().map(|forces| forces[length])));
         kernels::weigh(arch, along, rows.each_mut().map(|row| &mut **row));
@@ -129,7 +129,7 @@ impl Together<'_> {
             forces: [rows.next().expect("one for each line"), straight],
             end: lane.next.each_mut().map(|values| &mut values[..slow]),
         });
-        kernels::finish(arch, self.factors.of(0..slow), lines);
+        kernels::finish(arch, self.answers.step.of(0..slow), lines);
     }
 
     /// Motion at the end of the step: of all modes, of the points, and of the droppers and supports that are watched.
@@ -151,7 +151,7 @@ impl Together<'_> {
             forces: rows.each_mut().map(|rows| &*rows.next().expect("one for each line")),
             end: lane.next.each_mut().map(|values| &mut **values),
         });
-        kernels::finish(arch, self.factors.of(0..self.modes.count()), lines);
+        kernels::finish(arch, self.answers.step.of(0..self.modes.count()), lines);
         for lane in &mut lanes {
             let [q, v, _] = &lane.next;
             for (reached, point) in lane.reached.iter_mut().zip(points) {
