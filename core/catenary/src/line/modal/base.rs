@@ -15,6 +15,8 @@ pub(crate) struct Wish {
     pub(super) stretching: bool,
     /// Damping of wires in proportion to their stiffness, s.
     pub(super) beta: f64,
+    /// Droppers are rods that creep.
+    pub(super) creeping: bool,
     /// Largest damper that forces from step to step can take back where attachment modes swing, N·s/m.
     pub(super) bearable: f64,
     /// Length of a step, s.

@@ -1,4 +1,5 @@
 //! The line as strips see it: a contribution of forces on massless points under the strips.
+use super::creep::Creep;
 use super::curve::Place;
 use super::lacking::Lacking;
 use super::lane::Lane;
@@ -10,6 +11,8 @@ use std::sync::Arc;
 
 /// Droppers up to this far from a strip are watched in every step, m.
 const REACH: f64 = 30.0;
+/// Part of it within which the creep of a dropper goes over from all modes to slow ones, m.
+const FADING: f64 = 15.0;
 /// Way from a strip within which wires swing so far that droppers go slack, m: two spans behind it.
 const SWING: f64 = 100.0;
 /// Time in which a dropper there is watched once, s: it goes slack in some ten milliseconds.
@@ -27,6 +30,9 @@ const LONGER: f64 = 2.0;
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-6;
+/// Time in which the creep of a dropper far from strips goes on once, s: some ten times in a period of the fastest mode
+/// that feels it.
+const TURN: f64 = 0.016;
 /// Reason why the lane is there.
 const HERE: &str = "amplitudes are away only while they are moved on";
 
@@ -64,6 +70,7 @@ pub(super) struct Interface {
     /// Length of the last step, s; infinite after a step to rest.
     last_h: f64,
     lacking: Lacking,
+    creep: Option<Creep>,
     /// Deflection of the points at the end of the last step, m, and their rates, m/s.
     reached: Vec<f64>,
     rates: Vec<f64>,
@@ -109,6 +116,7 @@ impl Interface {
             forces_before: vec![0.0; contacts],
             last_h: f64::INFINITY,
             lacking: Lacking::new(&modes.at_rest),
+            creep: Creep::new(&modes),
             reached: vec![0.0; contacts],
             rates: vec![0.0; contacts],
             residual: vec![0.0; contacts],
@@ -178,6 +186,9 @@ impl Interface {
 
     /// Tension of a dropper at the end of the last step, N.
     pub fn tension(&self, dropper: usize) -> f64 {
+        if let Some(tension) = self.creep.as_ref().and_then(|creep| creep.tension(dropper)) {
+            return tension;
+        }
         let damper = self.modes.law.damping - self.modes.borrowed[dropper];
         (self.spring(dropper, self.lane().motion_of(dropper), damper) + self.lacks(dropper)).max(0.0)
     }
@@ -211,6 +222,9 @@ impl Interface {
                 (turns[1] + 1) % IN_TURN,
             ];
             let way = way(*x);
+            if let Some(creep) = &mut self.creep {
+                creep.share(dropper, ((REACH - way) / FADING).clamp(0.0, 1.0));
+            }
             if way < REACH {
                 watched.push(dropper);
                 continue;
@@ -246,6 +260,9 @@ impl Interface {
     fn look_at_watched(&mut self) {
         let mut repaying = std::mem::take(&mut self.lane_mut().repaying);
         repaying.clear();
+        if let Some(creep) = &mut self.creep {
+            creep.begin(self.step.h);
+        }
         for at in 0..self.lane().watched.len() {
             let (joint, motion) = (self.lane().watched[at], self.lane().motions[at]);
             let own = (joint < self.modes.droppers()).then_some(joint);
@@ -255,7 +272,18 @@ impl Interface {
                 let tension = self.spring(dropper, motion, self.modes.law.damping);
                 self.lacking.look_at(dropper, tension);
             }
+            if self.step.h == 0.0 {
+                self.settle_creep(joint);
+            }
             if at >= self.lane().near {
+                continue;
+            }
+            if let (Some(dropper), Some(creep)) = (own, &mut self.creep) {
+                if self.step.h > 0.0 {
+                    let by_rate = self.modes.law.damping * motion[1];
+                    creep.near(dropper, [self.lacking.tension(dropper), by_rate], self.step.h);
+                }
+                repaying.push((joint, creep.pushes(dropper)[1]));
                 continue;
             }
             let [_, rate] = motion;
@@ -268,6 +296,40 @@ impl Interface {
             }
         }
         self.lane_mut().repaying = repaying;
+        self.creep_far_away();
+    }
+
+    /// Takes the creep of a dropper at rest out of the force that it lacks there.
+    fn settle_creep(&mut self, joint: usize) {
+        let Some(creep) = self.creep.as_mut().filter(|_| joint < self.modes.droppers()) else {
+            return;
+        };
+        let (spring, at_rest) = (self.lacking.tension(joint), self.modes.lacks_at_rest(joint));
+        let lacks = self.lacking.beyond_rest()[joint] + at_rest;
+        creep.settle(joint, (spring + lacks).max(0.0));
+        let [_, push] = creep.pushes(joint);
+        let beyond_rest = if spring + lacks > 0.0 {
+            0.0
+        } else {
+            (push - spring).max(0.0)
+        };
+        self.lacking.end_step(std::iter::once((joint, beyond_rest - at_rest)));
+    }
+
+    /// Goes on with droppers far from strips whose turn it is, and tells slow modes what has changed.
+    fn creep_far_away(&mut self) {
+        let Some(creep) = &mut self.creep else { return };
+        let lane = self.lane.as_deref_mut().expect(HERE);
+        if self.step.h > 0.0 {
+            let every = (TURN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;
+            let near = &lane.watched[..lane.near];
+            for dropper in (self.steps % every..self.modes.droppers()).step_by(every) {
+                if near.binary_search(&dropper).is_err() {
+                    creep.far(dropper, lane.slow_elongation(dropper));
+                }
+            }
+        }
+        lane.push_slow_modes(creep.changes());
     }
 
     /// Elongation of a dropper by modes left out at the end of the last step, m.
@@ -306,15 +368,22 @@ impl Interface {
         for (known, (force, before)) in lane.known_forces.iter_mut().zip(forces) {
             *known = [force - ratio * (force - before), *force];
         }
+        if let Some(creep) = self.creep.as_mut().filter(|_| h == 0.0) {
+            creep.begin_anew();
+            lane.repaying.clear();
+            lane.slow_forces[0].fill(0.0);
+        }
         let lacking = &self.lacking;
-        let may_be_slack = |dropper: &usize| h == 0.0 || lacking.tension(*dropper) < TAUT;
+        let creep = self.creep.as_ref();
+        let pushes = |dropper: usize| creep.map_or([0.0; 2], |creep| creep.pushes(dropper));
+        let may_be_slack = |dropper: &usize| h == 0.0 || lacking.tension(*dropper) - pushes(*dropper)[0] < TAUT;
         let droppers = (0..modes.droppers()).filter(may_be_slack);
+        // Second differences of a tension do not change with a push in a straight line.
         let begin = |dropper: usize| {
-            (
-                dropper,
-                lacking.beyond_rest()[dropper],
-                lacking.course(dropper, as_long),
-            )
+            let [before, begin] = lacking.course(dropper, as_long);
+            let [pushed, push] = pushes(dropper);
+            let course = [before - (2.0 * pushed - push), begin - pushed];
+            (dropper, lacking.beyond_rest()[dropper], course, push)
         };
         lane.candidates.choose(droppers.map(begin));
         self.move_on(Lane::begin);
@@ -506,6 +575,9 @@ impl StepHistory for Interface {
         ];
         all.iter().for_each(|values| out.extend_from_slice(values));
         self.lacking.save(out);
+        if let Some(creep) = &self.creep {
+            creep.save(out);
+        }
         let lane = self.lane();
         let mut repaying = lane.repaying.iter().peekable();
         out.extend((0..self.modes.borrowed.len()).map(|joint| {
@@ -513,7 +585,7 @@ impl StepHistory for Interface {
             own.map_or(f64::NAN, |(_, force)| *force)
         }));
         // One after another: a single iterator over all would be asked for each number.
-        for values in [&lane.q, &lane.v, &lane.r] {
+        for values in [&lane.q, &lane.v, &lane.r, &lane.slow_forces[0]] {
             out.extend(values.iter().map(|&value| f64::from(value)));
         }
     }
@@ -536,12 +608,15 @@ impl StepHistory for Interface {
             values.iter_mut().for_each(|value| *value = next());
         }
         self.lacking.restore(values);
+        if let Some(creep) = &mut self.creep {
+            creep.restore(values);
+        }
         let lane = self.lane.as_deref_mut().expect(HERE);
         pull(&mut lane.lacking, &self.lacking);
         lane.repaying.clear();
         let forces = (0..self.modes.borrowed.len()).map(|joint| (joint, next_of(values)));
         lane.repaying.extend(forces.filter(|(_, force)| !force.is_nan()));
-        let modes = [&mut lane.q, &mut lane.v, &mut lane.r];
+        let modes = [&mut lane.q, &mut lane.v, &mut lane.r, &mut lane.slow_forces[0]];
         let all = modes.into_iter().flat_map(|values| values.iter_mut());
         all.for_each(|value| *value = next_of(values) as f32);
         self.step.open = false;

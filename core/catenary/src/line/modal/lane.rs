@@ -63,6 +63,8 @@ pub(super) struct Lane {
     pub r: Aligned,
     /// The same at the end of the present step, as far as it is known.
     pub next: [Aligned; 3],
+    /// Forces on slow modes by the creep of droppers far from strips, and room for the next ones.
+    pub slow_forces: [Aligned; 2],
     /// Room for the moves of lines that go together with this one.
     pub room: Room,
 
@@ -113,6 +115,7 @@ impl Lane {
             v: room(),
             r: room(),
             next: [room(), room(), room()],
+            slow_forces: [(); 2].map(|()| Aligned::zeros(modes.creeping_modes)),
             room: Room::new(&modes),
             h: 0.0,
             places: vec![[f64::NAN; 2]; points],
@@ -170,6 +173,23 @@ impl Lane {
     /// Deflection of a dropper or support by the modes, m, and its rate, m/s.
     pub fn motion_of(&self, joint: usize) -> [f64; 2] {
         kernels::dots(self.arch, self.modes.joint(joint), [&self.q, &self.v])
+    }
+
+    /// Elongation of a dropper by the slow modes that feel droppers creep far from strips, m.
+    pub fn slow_elongation(&self, dropper: usize) -> f64 {
+        let slow = self.modes.creeping_modes;
+        let [elongation] = kernels::dots(self.arch, &self.modes.joint(dropper)[..slow], [&self.q[..slow]]);
+        elongation
+    }
+
+    /// Adds changes of forces that push droppers apart to the forces on those modes.
+    pub fn push_slow_modes(&mut self, changes: &[(usize, f64)]) {
+        let row = |dropper: usize| &self.modes.joint(dropper)[..self.modes.creeping_modes];
+        let [forces, next] = &mut self.slow_forces;
+        let changes = changes.iter().map(|&(dropper, change)| (row(dropper), [change]));
+        let rows = std::iter::once((&**forces, [1.0])).chain(changes);
+        kernels::weigh(self.arch, rows, [next]);
+        self.slow_forces.swap(0, 1);
     }
 
     /// Sum over the first modes, which the values are of, at a coordinate of the linearised line.

@@ -25,6 +25,7 @@
 //! modes      the modes of a linearised line, and what the ones left out add
 //! interface  the line as strips see it, as a contribution of forces
 //! slack      droppers that may be slack at the end of a step
+//! creep      droppers whose dampers hold wires together
 //! lacking    forces that slack droppers lack, within steps
 //! lane       amplitudes of one line, moved on together with those of others
 //! pass       strips under the wire in one step, for all lines alike
@@ -35,6 +36,7 @@
 //! packed     rows of them as bytes
 //! ```
 mod base;
+mod creep;
 mod curve;
 mod interface;
 mod lacking;
@@ -56,6 +58,7 @@ use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
 use interface::{Contact, Interface};
 use lane::{Lane, Wires};
+use modes::ROD;
 use nalgebra::Vector3;
 use scene::{Catenary, Reduction, Scene, Wire, WireKind};
 use std::f64::consts::TAU;
@@ -108,7 +111,7 @@ impl ModalLine {
     /// # Errors
     /// See [`StaticsError::Modes`] and [`StaticsError::DampedDroppers`].
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
-        check_dampers(scene)?;
+        let creeping = creeps(scene)?;
         let line = scene.modelled_line().map(|(line, _)| line);
         let beta = line.map_or(0.0, |line| line.damping.beta);
         let error_of_mesh = mesh::expected_error(scene).map_or(f64::INFINITY, |error| error.total());
@@ -117,6 +120,7 @@ impl ModalLine {
             highest: highest(scene, error_of_mesh),
             stretching: line.is_some_and(|line| tells_stretching(line, error_of_mesh)),
             beta,
+            creeping,
             bearable: line.map_or(0.0, |line| for_rate(line, MOST_ATTACHED)),
             h: scene.solver.micro_step,
         };
@@ -194,19 +198,31 @@ const MOST_DAMPED: f64 = 0.5;
 /// The same with attachment modes, whose rates change much within a step.
 const MOST_ATTACHED: f64 = 0.1;
 
-/// Refuses dampers of droppers that forces from step to step cannot stand for.
-fn check_dampers(scene: &Scene) -> Result<(), StaticsError> {
+/// Least damper of a dropper, as `κ` of [`for_rate`], that makes it a rod that creeps: weaker ones let forces that push
+/// rods apart swing.
+const LEAST_CREEPING: f64 = 16.0;
+/// Largest push of a rod in a step in units of the tension that makes it, `K h/2c`, by which forces creep with an error
+/// that steps have anyway.
+const MOST_PUSHED: f64 = 1.25;
+
+/// True for droppers that creep; refuses dampers that are neither weak enough for forces from step to step nor strong
+/// enough for rods. Both limits of rods were found on the line of the thesis.
+fn creeps(scene: &Scene) -> Result<bool, StaticsError> {
     let Some((line, _)) = scene.modelled_line() else {
-        return Ok(());
+        return Ok(false);
     };
+    let (damping, h) = (line.droppers.damping, scene.solver.micro_step);
     let most = line.damping.beta * line.droppers.stiffness + for_rate(line, MOST_DAMPED);
-    if line.droppers.damping > most {
+    let least = for_rate(line, LEAST_CREEPING).max(ROD * h / (2.0 * MOST_PUSHED));
+    if damping > most && damping < least {
         return Err(StaticsError::DampedDroppers {
-            damping: line.droppers.damping,
+            damping,
             most,
+            least,
+            step_ms: 1e3 * h,
         });
     }
-    Ok(())
+    Ok(damping > most)
 }
 
 /// Damper `b = κ/a` between contact wire and the wire above, N·s/m.

@@ -17,10 +17,38 @@ const NEAR: usize = 12;
 const WIDTH: usize = 2 * NEAR + 1;
 /// Frequency of slow modes, Hz: others move wires by less than a line's width in a picture, and stretch them unevenly.
 const SLOW: f64 = 30.0;
+/// Frequency of modes that feel the creep of droppers far from strips, Hz: faster ones do not last.
+const CREEPING: f64 = 15.0;
 /// Largest rate at which dampers along wires may brake slow modes, 1/s: forces take these back once in a step.
 const BRAKED: f64 = 100.0;
 /// Marks a coordinate without a row.
 const NONE: u32 = u32::MAX;
+
+/// Stiffness of rods that stand for droppers which creep, N/m.
+pub(super) const ROD: f64 = 1e7;
+/// Stiffness of a dropper above which its damper does not tell, N/m: its spring is a rod.
+const STIFF: f64 = 0.1 * ROD;
+
+/// Law of droppers in the modes, and that of spring and damper end to end with rods where droppers creep: together they
+/// have the law of the dropper at rest and in slow motion.
+fn laws(law: DropperLaw, wish: Wish) -> (DropperLaw, Option<DropperLaw>) {
+    let rod = |stiffness| DropperLaw {
+        stiffness,
+        damping: wish.beta * stiffness,
+    };
+    if !wish.creeping {
+        (law, None)
+    } else if law.stiffness > STIFF {
+        (rod(law.stiffness), None)
+    } else {
+        let more = ROD / (ROD - law.stiffness);
+        let creeping = DropperLaw {
+            stiffness: more * law.stiffness,
+            damping: more * more * law.damping,
+        };
+        (rod(ROD), Some(creeping))
+    }
+}
 
 /// Modes `φₖ` with `φₖᵀ M φₖ = 1`, as far as contact, droppers and pictures see them.
 #[derive(Debug, Serialize, Deserialize)]
@@ -46,6 +74,10 @@ pub(super) struct Modes {
     residual: Vec<f64>,
     /// Law of the droppers, with the dampers that the modes give them.
     pub law: DropperLaw,
+    /// Spring and damper of droppers that creep, end to end with the rods of `law`.
+    pub creeping: Option<DropperLaw>,
+    /// Number of slow modes that feel the creep of droppers far from strips.
+    pub creeping_modes: usize,
     /// Dampers that the modes have beyond those of the line and forces take back, first of the droppers and then of
     /// supports, N·s/m.
     pub borrowed: Vec<f64>,
@@ -91,7 +123,8 @@ impl Modes {
     /// Forces of droppers have attachment modes unless their own dampers would make these swing; then more modes are
     /// kept.
     pub fn of(linear: &mut LinearLine, layout: &Layout, wish: Wish) -> Result<Arc<Self>, StaticsError> {
-        let pencil = Pencil::of(linear, layout);
+        let (law, creeping) = laws(linear.droppers().law(), wish);
+        let pencil = Pencil::of(linear, layout, law);
         let linear: &LinearLine = linear;
         let mut key = Key::new();
         key.add(wish.highest);
@@ -105,17 +138,22 @@ impl Modes {
         for matrix in [&pencil.stiffness, &pencil.damping, &pencil.mass] {
             key.add(matrix.entries().iter().copied());
         }
-        let law = linear.droppers().law();
-        key.add([law.stiffness, law.damping]);
+        let of_line = linear.droppers().law();
+        key.add([of_line.stiffness, of_line.damping]);
         for dropper in linear.droppers().as_slice() {
             key.add([dropper.elongation]);
             key.add(dropper.gradient.iter().flat_map(|&(at, g)| [at as f64, g]));
         }
         key.add(pencil.row_of.iter().map(|row| f64::from(*row)));
-        known_or(key, || Self::found(linear, &pencil, wish))
+        known_or(key, || Self::found(linear, &pencil, (law, creeping), wish))
     }
 
-    fn found(linear: &LinearLine, pencil: &Pencil, wish: Wish) -> Result<Self, StaticsError> {
+    fn found(
+        linear: &LinearLine,
+        pencil: &Pencil,
+        (law, creeping): (DropperLaw, Option<DropperLaw>),
+        wish: Wish,
+    ) -> Result<Self, StaticsError> {
         let free = &pencil.free;
         let droppers = linear.droppers().as_slice();
         let gradient = |dropper: &crate::LinearDropper| -> Vec<(usize, f64)> {
@@ -124,7 +162,6 @@ impl Modes {
         };
         let gradients: Vec<Vec<(usize, f64)>> = droppers.iter().map(gradient).collect();
         let factor = BandedFactor::new(&pencil.stiffness);
-        let law = linear.droppers().law();
         // Dampers that the modes give droppers beyond their own: where the own ones are the larger ones, attachment
         // modes would swing.
         let excess = wish.beta * law.stiffness - law.damping;
@@ -161,8 +198,10 @@ impl Modes {
         let held = supports.iter().map(|support| vec![(support.free, 1.0)]);
         let joints: Vec<Vec<(usize, f64)>> = gradients.iter().cloned().chain(held).collect();
         let joint_rows = rows_along(&joints, &pairs.vectors, modes);
-        let below = pairs.values.partition_point(|value| *value < (TAU * SLOW).powi(2));
-        let slow = below.next_multiple_of(LANES).min(modes);
+        let [slow, creeping_modes] = [SLOW, if creeping.is_some() { CREEPING } else { 0.0 }].map(|frequency| {
+            let below = pairs.values.partition_point(|value| *value < (TAU * frequency).powi(2));
+            below.next_multiple_of(LANES).min(modes)
+        });
         let braked = wish.beta * (TAU * SLOW).powi(2);
         let stretches = if wish.stretching && braked <= BRAKED {
             stretches(linear, free)
@@ -212,12 +251,14 @@ impl Modes {
             residual: Vec::new(),
             at_rest: droppers
                 .iter()
-                .map(|dropper| law.stiffness * dropper.elongation)
+                .map(|dropper| linear.droppers().law().stiffness * dropper.elongation)
                 .collect(),
             law: DropperLaw {
                 damping: wish.beta * law.stiffness,
                 ..law
             },
+            creeping,
+            creeping_modes,
             borrowed,
             support_x: supports.iter().map(|support| support.x).collect(),
             dropper_x,
@@ -285,6 +326,13 @@ impl Modes {
     /// Force that a dropper lacks at rest, N: that of a spring that pushes.
     pub fn lacks_at_rest(&self, dropper: usize) -> f64 {
         (-self.at_rest[dropper]).max(0.0)
+    }
+
+    /// Force by which the push of a dropper that creeps rises at rest for each newton of tension, –: none where droppers
+    /// do not creep.
+    pub fn creep_at_rest(&self) -> f64 {
+        self.creeping
+            .map_or(0.0, |creeping| self.law.stiffness / creeping.stiffness)
     }
 
     /// Entries of all modes at a row.
@@ -408,8 +456,8 @@ fn numbered(layout: &Layout) -> (Vec<Option<usize>>, usize) {
 }
 
 impl Pencil {
-    /// `K`, `D` and `M` of a line whose droppers are all taut.
-    fn of(linear: &mut LinearLine, layout: &Layout) -> Self {
+    /// `K`, `D` and `M` of a line whose droppers are all taut, with this `law`.
+    fn of(linear: &mut LinearLine, layout: &Layout, law: DropperLaw) -> Self {
         let (free, count) = numbered(layout);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
@@ -425,7 +473,6 @@ impl Pencil {
         let mut stiffness = collect(&|part, blocks| part.add_tangent(&motion, Weights { q: 1.0, v: 0.0 }, blocks));
         let mut damping = collect(&|part, blocks| part.add_tangent(&motion, Weights { q: 0.0, v: 1.0 }, blocks));
         let mass = collect(&|part, blocks| part.add_mass(blocks));
-        let law = linear.droppers().law();
         for dropper in linear.droppers().as_slice() {
             for &(row, g_row) in &dropper.gradient {
                 for &(column, g_column) in &dropper.gradient {

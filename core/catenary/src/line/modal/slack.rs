@@ -122,6 +122,8 @@ pub(super) struct Candidates {
     lacking: Vec<f64>,
     /// Tensions of each one step before the begin of the step and at the begin, N, see [`bend`].
     courses: Vec<[f64; 2]>,
+    /// Force of each that pushes it apart at the end of the step, N, which is known.
+    pushes: Vec<f64>,
     /// Bend of the lacking force of each at the last solution, N.
     bends: Vec<f64>,
     /// Tension of each at the end of the step at the last solution, N, negative for what a slack one lacks.
@@ -155,18 +157,20 @@ impl Candidates {
             .map(move |(dropper, bend)| (dropper, bend / (h * h)))
     }
 
-    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N, and
-    /// their courses.
-    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64, [f64; 2])>) {
+    /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N,
+    /// their courses, and the forces that push them apart, N.
+    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64, [f64; 2], f64)>) {
         self.droppers.clear();
         self.lacking.clear();
         self.courses.clear();
+        self.pushes.clear();
         self.ends.clear();
         self.bends.clear();
-        for (dropper, lacking, course) in droppers {
+        for (dropper, lacking, course, push) in droppers {
             self.droppers.push(dropper);
             self.lacking.push(lacking);
             self.courses.push(course);
+            self.pushes.push(push);
             self.ends.push(course[1]);
             self.bends.push(0.0);
         }
@@ -190,9 +194,10 @@ impl Candidates {
         let (by_force, by_bend) = (&mut self.by_force, &mut self.by_bend);
         by_force.clear();
         by_bend.clear();
-        for (&dropper, &[elongation, rate]) in self.droppers.iter().zip(motions) {
+        let droppers = self.droppers.iter().zip(&self.pushes);
+        for ((&dropper, push), &[elongation, rate]) in droppers.zip(motions) {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
-            self.free.push(spring + law.damping * rate);
+            self.free.push(spring + law.damping * rate - push);
             pass.need((arch, modes), dropper);
             for answer in pass.by_dropper(dropper) {
                 by_force.deflections.push(answer.deflection);
@@ -247,18 +252,21 @@ impl Candidates {
                 let lacks = self.lacking[c] + of_rest;
                 let [by_end, by_bend] = self.by_own[c];
                 let base = spring - (by_end - 1.0) * lacks - by_bend * self.bends[c];
-                let [end, bend] = if self.bent {
+                let [end, bend, lacks_now] = if self.bent {
                     let [before, begin] = self.courses[c];
-                    end_of(base, self.by_own[c], |end| bend([before, begin, end]), self.ends[c])
+                    let bend = |end| bend([before, begin, end]);
+                    let [end, bend] = end_of(base, self.by_own[c], bend, self.ends[c]);
+                    [end, bend, (-end).max(0.0)]
                 } else {
-                    [if base < 0.0 { base / by_end } else { base }, 0.0]
+                    let [end, lacks_now] = at_rest(base, by_end, (modes.at_rest[dropper], modes.creep_at_rest()));
+                    [end, 0.0, lacks_now]
                 };
-                let (change, bent) = ((-end).max(0.0) - lacks, bend - self.bends[c]);
+                let (change, bent) = (lacks_now - lacks, bend - self.bends[c]);
                 for (force, (held, by_bend)) in forces.iter_mut().zip(held) {
                     *force += held * change - by_bend * bent;
                 }
                 self.ends[c] = end;
-                self.lacking[c] = (-end).max(0.0) - of_rest;
+                self.lacking[c] = lacks_now - of_rest;
                 self.bends[c] = bend;
                 largest = largest.max(change.abs()).max(bent.abs());
             }
@@ -288,6 +296,22 @@ fn end_of(base: f64, [by_end, by_bend]: [f64; 2], bend: impl Fn(f64) -> [f64; 2]
         }
     }
     [end, of_end[0]]
+}
+
+/// Tension in a step to rest, N, negative for what a slack dropper lacks, and the force that the dropper lacks, N.
+///
+/// The tension of a spring that may push is `base` and `1 − by_end` for each newton that is lacking. A slack dropper
+/// lacks what it pushes with, and one whose tension is `of_rest` at rest and which creeps lacks `creep` for each newton
+/// of tension less.
+fn at_rest(base: f64, by_end: f64, (of_rest, creep): (f64, f64)) -> [f64; 2] {
+    let share = creep * by_end;
+    let tension = (base + share * of_rest) / (1.0 + share);
+    if tension < 0.0 {
+        let end = base / by_end;
+        [end, -end]
+    } else {
+        [tension, creep * (of_rest - tension)]
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

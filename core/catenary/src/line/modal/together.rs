@@ -79,6 +79,14 @@ impl Together<'_> {
         let joints = repaying.first().map_or(&[][..], |joints| joints).iter().enumerate();
         let by_joints = joints.map(|(at, (joint, _))| (modes.joint(*joint), repaying.map(|joints| joints[at].1)));
         kernels::weigh(arch, by_joints, lines.map(|(_, forces)| forces));
+        for lane in &mut lanes {
+            let Lane {
+                next: [.., known],
+                slow_forces: [slow, _],
+                ..
+            } = &mut **lane;
+            known.iter_mut().zip(&**slow).for_each(|(known, slow)| *known += slow);
+        }
         let mut bends = first::<L>(&mut room.bends).into_iter();
         let motions = lanes.each_mut().map(|lane| {
             let [q, v, known] = lane.next.each_mut().map(|values| &mut **values);
