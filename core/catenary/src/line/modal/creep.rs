@@ -12,8 +12,8 @@
 //! length of its spring. Forces `K y + β K ẏ` push rods apart at the end of a step, by the tension at its begin: it
 //! moves `y` by `h/2c`, and `y` hardly moves it, as wires give way more easily than rods.
 //!
-//! Far from strips droppers go on in turn, by the tension `K e` of slow modes, and push slow modes only: waves of faster
-//! ones come to the strips from near by.
+//! Far from strips droppers go on in turn, by the tension `K e` of slow modes, and push slow modes only: waves of
+//! faster ones come to the strips from near by.
 use super::modes::Modes;
 use crate::DropperLaw;
 use dynamics::unilateral::next_of;

@@ -328,8 +328,8 @@ impl Modes {
         (-self.at_rest[dropper]).max(0.0)
     }
 
-    /// Force by which the push of a dropper that creeps rises at rest for each newton of tension, –: none where droppers
-    /// do not creep.
+    /// Force by which the push of a dropper that creeps rises at rest for each newton of tension, –: none where
+    /// droppers do not creep.
     pub fn creep_at_rest(&self) -> f64 {
         self.creeping
             .map_or(0.0, |creeping| self.law.stiffness / creeping.stiffness)
