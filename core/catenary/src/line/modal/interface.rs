@@ -271,9 +271,9 @@ impl Interface {
             if let Some(dropper) = own.filter(|_| !again) {
                 let tension = self.spring(dropper, motion, self.modes.law.damping);
                 self.lacking.look_at(dropper, tension);
-            }
-            if self.step.h == 0.0 {
-                self.settle_creep(joint);
+                if self.step.h == 0.0 {
+                    self.settle_creep(dropper);
+                }
             }
             if at >= self.lane().near {
                 continue;
@@ -300,20 +300,18 @@ impl Interface {
     }
 
     /// Takes the creep of a dropper at rest out of the force that it lacks there.
-    fn settle_creep(&mut self, joint: usize) {
-        let Some(creep) = self.creep.as_mut().filter(|_| joint < self.modes.droppers()) else {
-            return;
-        };
-        let (spring, at_rest) = (self.lacking.tension(joint), self.modes.lacks_at_rest(joint));
-        let lacks = self.lacking.beyond_rest()[joint] + at_rest;
-        creep.settle(joint, (spring + lacks).max(0.0));
-        let [_, push] = creep.pushes(joint);
+    fn settle_creep(&mut self, dropper: usize) {
+        let Some(creep) = &mut self.creep else { return };
+        let (spring, at_rest) = (self.lacking.tension(dropper), self.modes.lacks_at_rest(dropper));
+        let lacks = self.lacking.beyond_rest()[dropper] + at_rest;
+        creep.settle(dropper, (spring + lacks).max(0.0));
+        let [_, push] = creep.pushes(dropper);
         let beyond_rest = if spring + lacks > 0.0 {
             0.0
         } else {
             (push - spring).max(0.0)
         };
-        self.lacking.end_step(std::iter::once((joint, beyond_rest - at_rest)));
+        self.lacking.end_step(std::iter::once((dropper, beyond_rest - at_rest)));
     }
 
     /// Goes on with droppers far from strips whose turn it is, and tells slow modes what has changed.
