@@ -93,8 +93,11 @@ impl Creep {
 
     /// Lets all modes feel a share of the push of a dropper, –, and slow modes the rest.
     pub fn share(&mut self, dropper: usize, share: f64) {
-        let shares = &mut self.droppers[dropper].shares;
-        *shares = [shares[1], share];
+        let all = &mut self.droppers[dropper];
+        all.shares = [all.shares[1], share];
+        if share == 0.0 {
+            all.pushes = [0.0; 2];
+        }
     }
 
     /// Tension of a dropper at the end of the last step, N, where all modes feel it creep.
