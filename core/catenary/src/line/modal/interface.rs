@@ -30,8 +30,8 @@ const LONGER: f64 = 2.0;
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-6;
-/// Time in which the creep of a dropper far from strips goes on once, s: some ten times in a period of the fastest mode
-/// that feels it.
+/// Time in which the creep of a dropper far from strips goes on once, s: four times in a period of the fastest mode that
+/// feels it.
 const TURN: f64 = 0.016;
 /// Reason why the lane is there.
 const HERE: &str = "amplitudes are away only while they are moved on";
@@ -255,8 +255,9 @@ impl Interface {
         (lane.watched, lane.near, lane.in_turn) = (watched, near, in_turn);
     }
 
-    /// Looks at the chosen droppers and supports. Prepares the forces that take back the dampers of
-    /// [`Modes::borrowed`] near the strips at the end of the next step, with rates continued in a straight line.
+    /// Looks at the chosen droppers and supports. Prepares the forces near the strips at the end of the next step: those
+    /// that take back the dampers of [`Modes::borrowed`], with rates continued in a straight line, and those that push
+    /// rods apart.
     fn look_at_watched(&mut self) {
         let mut repaying = std::mem::take(&mut self.lane_mut().repaying);
         repaying.clear();

@@ -76,8 +76,8 @@ pub(super) struct Lane {
     pub known_forces: Vec<[f64; 2]>,
     /// At the end.
     pub forces: Vec<f64>,
-    /// Forces at the end of the step that take back dampers which the modes have too much, of all droppers and supports
-    /// near strips.
+    /// Forces at the end of the step that take back dampers which the modes have too much, or push rods apart, of all
+    /// droppers and supports near strips.
     pub repaying: Joints,
     /// Droppers that may be slack at the end of the step.
     pub candidates: Candidates,
