@@ -121,8 +121,10 @@ impl Creep {
         -self.at_rest[dropper] / self.law.stiffness
     }
 
-    /// A dropper at rest under a tension, N.
+    /// A dropper at rest under a tension, N: the coming step begins with the push that it ends with.
     pub fn settle(&mut self, dropper: usize, tension: f64) {
+        let shares = &mut self.droppers[dropper].shares;
+        shares[0] = shares[1];
         let length = (tension - self.at_rest[dropper]) / self.law.stiffness;
         self.push(dropper, [tension, length], [length, 0.0]);
     }
@@ -307,6 +309,15 @@ mod tests {
             assert_eq!(creep.tension(0), Some(0.0));
             assert!((creep.droppers[0].length - length).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn a_step_from_rest_begins_with_the_push_of_rest() {
+        let mut creep = creep(80.0);
+        creep.share(0, 0.4);
+        creep.settle(0, 60.0);
+        let push = 0.4 * ROD.stiffness * (60.0 - 80.0) / LAW.stiffness;
+        assert!(creep.pushes(0).iter().all(|own| (own - push).abs() < 1e-9));
     }
 
     #[test]
