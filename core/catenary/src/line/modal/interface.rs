@@ -30,8 +30,8 @@ const LONGER: f64 = 2.0;
 const MASS: f64 = 1e-6;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-6;
-/// Time in which the creep of a dropper far from strips goes on once, s: four times in a period of the fastest mode that
-/// feels it.
+/// Time in which the creep of a dropper far from strips goes on once, s: four times in a period of the fastest mode
+/// that feels it.
 const TURN: f64 = 0.016;
 /// Reason why the lane is there.
 const HERE: &str = "amplitudes are away only while they are moved on";
