@@ -255,9 +255,9 @@ impl Interface {
         (lane.watched, lane.near, lane.in_turn) = (watched, near, in_turn);
     }
 
-    /// Looks at the chosen droppers and supports. Prepares the forces near the strips at the end of the next step: those
-    /// that take back the dampers of [`Modes::borrowed`], with rates continued in a straight line, and those that push
-    /// rods apart.
+    /// Looks at the chosen droppers and supports. Prepares the forces near the strips at the end of the next step:
+    /// those that take back the dampers of [`Modes::borrowed`], with rates continued in a straight line, and those that
+    /// push rods apart.
     fn look_at_watched(&mut self) {
         let mut repaying = std::mem::take(&mut self.lane_mut().repaying);
         repaying.clear();
