@@ -45,6 +45,8 @@
 //!   systems, Mechanism and Machine Theory 48, doi 10.1016/j.mechmachtheory.2011.07.017.
 //! - `[Chung & Hulbert 1993]` A time integration algorithm for structural dynamics with improved numerical
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
+//! - `[Fox & Goodwin 1949]` L. Fox, E. T. Goodwin, Some new methods for the numerical integration of ordinary
+//!   differential equations, Mathematical Proceedings of the Cambridge Philosophical Society 45, 373.
 #![forbid(unsafe_code)]
 
 mod blocks;

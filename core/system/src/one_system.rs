@@ -8,7 +8,7 @@ use catenary::{
 };
 use control::{Channel, ControllerState, Ended, Rule};
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
-use scene::{PantographModel as Entry, Scene};
+use scene::{PantographModel as Entry, Reduction, Scene};
 use serde::{Deserialize, Serialize};
 use vehicle::{PantographModel, VehicleError, WIND_INPUTS};
 
@@ -240,6 +240,9 @@ impl OneSystem {
             solver.newton_options(),
         );
         simulator.halve(crate::run::HALVINGS);
+        if scene.model.has(Reduction::Modal) {
+            simulator.keep_periods(0.0);
+        }
         if balanced {
             simulator.begin();
         } else {

@@ -6,7 +6,7 @@ use component::exchange::instrument;
 use control::{Channel, ControllerState, Reading};
 use dynamics::{Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System};
 use nalgebra::Vector3;
-use scene::Scene;
+use scene::{Reduction, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Inputs of a pantograph with one strip: force on the strip in x, y, z (N), lateral position of the contact (m), wind
@@ -141,6 +141,9 @@ impl Subsystem {
             solver.rho_inf,
             solver.newton_options(),
         );
+        if let Some((_, contact)) = scene.modelled_line().filter(|_| scene.model.has(Reduction::Modal)) {
+            simulator.keep_periods(contact.stiffness);
+        }
         if !at_rest {
             simulator.start_accelerations()?;
         }

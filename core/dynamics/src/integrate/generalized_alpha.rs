@@ -81,6 +81,12 @@ impl GeneralizedAlpha {
         }
     }
 
+    /// Keeps periods of oscillations to the fourth order of the step, see [`Scheme::fox_goodwin`]; to be called before
+    /// the first step.
+    pub(super) fn keep_periods(&mut self) {
+        self.scheme = self.scheme.fox_goodwin();
+    }
+
     /// Largest residual before each Newton iteration of the last step, N or m; the last one is the remaining residual,
     /// evaluated or estimated.
     #[must_use]

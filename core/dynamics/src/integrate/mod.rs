@@ -3,6 +3,7 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `scheme` | coefficients of generalized-α |
+//! | `fastest` | the fastest oscillation of a small system |
 //! | `generalized_alpha` | the time step: prediction, corrections, end |
 //! | `memory` | what the integrator keeps from step to step, saved and restored |
 //! | `passes` | prediction and correction of all coordinates in vector registers |
@@ -17,6 +18,7 @@
 //! | `simulator` | a system in time: sub-steps inside a communication step, checkpoints |
 
 pub(crate) mod convergence_estimate;
+pub(crate) mod fastest;
 pub(crate) mod formulation;
 pub(crate) mod generalized_alpha;
 pub(crate) mod memory;

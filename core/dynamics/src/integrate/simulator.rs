@@ -1,5 +1,6 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::capability::visit_histories;
+use crate::integrate::fastest::fastest;
 use crate::integrate::memory::Memory;
 use crate::integrate::newton::MOST_MICRO_STEPS;
 use crate::linear::iteration_matrix::mass_matrix;
@@ -8,6 +9,10 @@ use crate::{
     StaticReport, StepError, System, solve_static,
 };
 use serde::{Deserialize, Serialize};
+
+/// Largest turn of the fastest oscillation in a step by which periods are kept, rad: the half of √6, as springs of a
+/// motion may be stiffer than those of its start.
+const MOST_TURNED: f64 = 1.2;
 
 /// State and memory of a [`Simulator`], from which it continues bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -58,6 +63,17 @@ impl<S: System> Simulator<S> {
             mass: None,
             halvings: 0,
             halved: Halved::default(),
+        }
+    }
+
+    /// Keeps periods of oscillations to the fourth order of the step where that is stable; to be called before the
+    /// first step. Points with next to no mass begin each step without rates; other systems may hold each mass by up to
+    /// `outside` N/m.
+    pub fn keep_periods(&mut self, outside: f64) {
+        let motion = self.state.motion(&self.u);
+        let fastest = fastest(&mut self.system, &motion, outside);
+        if fastest.is_some_and(|omega| omega * self.micro_step < MOST_TURNED) {
+            self.integrator.keep_periods();
         }
     }
 
