@@ -74,6 +74,29 @@ pub fn dots_of_rows<const R: usize, const L: usize, const N: usize>(
     arch.dispatch(Dots(rows, b))
 }
 
+/// `Σ a b` for each of `count` rows `a`, and each `b` of each of `L` lines: `found` takes the number of a row and its
+/// sums. Rows are taken four at a time, which have the same bits one by one.
+pub fn dots_of_many<'a, const L: usize, const N: usize>(
+    arch: Arch,
+    (count, row): (usize, impl Fn(usize) -> &'a [f32]),
+    b: [[&[f32]; N]; L],
+    mut found: impl FnMut(usize, [[f64; N]; L]),
+) {
+    let mut all = |first: usize, sums: &[[[f64; N]; L]]| {
+        for (at, sums) in (first..).zip(sums) {
+            found(at, *sums);
+        }
+    };
+    for at in (0..count).step_by(TOGETHER) {
+        match count - at {
+            1 => all(at, &dots_of_rows(arch, [row(at)], b)),
+            2 => all(at, &dots_of_rows(arch, [0, 1].map(|k| row(at + k)), b)),
+            3 => all(at, &dots_of_rows(arch, [0, 1, 2].map(|k| row(at + k)), b)),
+            _ => all(at, &dots_of_rows(arch, [0, 1, 2, 3].map(|k| row(at + k)), b)),
+        }
+    }
+}
+
 /// See [`dots_of_rows`]; parts of each sum are taken in groups of `W` registers.
 #[inline(always)]
 fn dots_in_registers<S: Simd, const R: usize, const L: usize, const N: usize, const W: usize>(

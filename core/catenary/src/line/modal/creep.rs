@@ -145,15 +145,18 @@ impl Creep {
         self.push(dropper, [tension, length], [next, (next - length) / h]);
     }
 
-    /// Goes on with a dropper far from strips, which slow modes stretch by `elongation`, m.
-    pub fn far(&mut self, dropper: usize, elongation: f64) {
+    /// Goes on with a dropper far from strips, which slow modes stretch by `elongation`, m; returns its tension, N,
+    /// negative for what a slack one lacks.
+    pub fn far(&mut self, dropper: usize, elongation: f64) -> f64 {
         let before = self.droppers[dropper];
-        let tension = (self.at_rest[dropper] + self.rod.stiffness * elongation).max(0.0);
+        let spring = self.at_rest[dropper] + self.rod.stiffness * elongation;
+        let tension = spring.max(0.0);
         let length = self.length_under(dropper, tension);
         // The push stays until the next turn: that of half way is right in the mean.
         let ahead = (1.5 * tension - 0.5 * before.last(tension)).max(0.0);
         let next = self.after(dropper, length, [tension, ahead], 0.5 * (self.time - before.time));
         self.push(dropper, [tension, length], [next, 0.0]);
+        spring
     }
 
     /// Length of a dropper now, which its tension has reached in a straight line since it last went on, m.

@@ -150,12 +150,16 @@ impl Interface {
         self.lane = self.lane.take().map(half);
     }
 
-    /// A coordinate of the linearised line that has a row, m.
-    pub fn deflection_of(&self, coordinate: usize) -> f64 {
-        self.lane().along(coordinate, &self.lane().q)
+    /// Coordinate of the linearised line that has a row at a place along the track, m: by slow modes far from strips,
+    /// where others move wires by a tenth of a millimetre at most.
+    pub fn deflection_of(&self, coordinate: usize, x: f64) -> f64 {
+        if self.lane().way(x) < SWING {
+            return self.lane().along(coordinate, &self.lane().q);
+        }
+        self.drawn_deflection_of(coordinate)
     }
 
-    /// As [`Interface::deflection_of`], by slow modes: good enough for a picture.
+    /// The same by slow modes: good enough for a picture.
     pub fn drawn_deflection_of(&self, coordinate: usize) -> f64 {
         self.lane().along(coordinate, &self.lane().q[..self.modes.slow])
     }
@@ -203,11 +207,7 @@ impl Interface {
     fn choose_watched(&mut self) {
         let lane = self.lane.as_deref_mut().expect(HERE);
         let mut watched = std::mem::take(&mut lane.watched);
-        let points = lane.pass().map_or(&[][..], |pass| &pass.points);
-        let way = |x: f64| {
-            let ways = points.iter().filter(|point| point.on).map(|point| (point.x - x).abs());
-            ways.fold(f64::INFINITY, f64::min)
-        };
+        let way = |x: f64| lane.way(x);
         let often = (OFTEN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;
         let all = self.step.h == 0.0;
         // Turns of the coming dropper, counted on.
@@ -230,7 +230,13 @@ impl Interface {
                 continue;
             }
             self.joint_rates[dropper] = f64::NAN;
-            let in_turn = all || if way < SWING { is_often } else { is_seldom };
+            // Those that creep far away are looked at by slow modes.
+            let in_turn = all
+                || if way < SWING {
+                    is_often
+                } else {
+                    is_seldom && self.creep.is_none()
+                };
             if in_turn {
                 self.in_turn.push(dropper);
             }
@@ -321,10 +327,17 @@ impl Interface {
         let lane = self.lane.as_deref_mut().expect(HERE);
         if self.step.h > 0.0 {
             let every = (TURN / self.step.h).clamp(1.0, IN_TURN as f64) as usize;
+            let each = self.modes.droppers().div_ceil(every);
+            let first = (self.steps % every * each).min(self.modes.droppers());
+            lane.find_elongations(first..(first + each).min(self.modes.droppers()));
             let near = &lane.watched[..lane.near];
-            for dropper in (self.steps % every..self.modes.droppers()).step_by(every) {
-                if near.binary_search(&dropper).is_err() {
-                    creep.far(dropper, lane.slow_elongation(dropper));
+            for (dropper, elongation) in (first..).zip(&lane.elongations) {
+                if near.binary_search(&dropper).is_ok() {
+                    continue;
+                }
+                let tension = creep.far(dropper, *elongation);
+                if self.lacking.is_left_out(dropper) {
+                    self.lacking.look_at(dropper, tension);
                 }
             }
         }

@@ -8,6 +8,7 @@ use dynamics::lockstep::Asked;
 use dynamics::modal::Aligned;
 use dynamics::modal::kernels;
 use pulp::Arch;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Step factors kept: those of a step and of what is left of a communication step.
@@ -97,6 +98,8 @@ pub(super) struct Lane {
     pub in_turn: usize,
     /// Deflection, m, and rate, m/s, of each; rates of zero for those whose turn it is.
     pub motions: Vec<[f64; 2]>,
+    /// See [`Lane::find_elongations`], m.
+    pub elongations: Vec<f64>,
     /// Deflection of each point by the modes, m, its rate, m/s, and slope along the wire, –.
     pub reached: Vec<[f64; 3]>,
 }
@@ -130,6 +133,7 @@ impl Lane {
             near: 0,
             in_turn: 0,
             motions: Vec::with_capacity(joints),
+            elongations: Vec::with_capacity(modes.droppers()),
             reached: vec![[0.0; 3]; points],
             wires: Arc::new(wires),
             modes,
@@ -175,21 +179,31 @@ impl Lane {
         kernels::dots(self.arch, self.modes.joint(joint), [&self.q, &self.v])
     }
 
-    /// Elongation of a dropper by the slow modes that feel droppers creep far from strips, m.
-    pub fn slow_elongation(&self, dropper: usize) -> f64 {
-        let slow = self.modes.creeping_modes;
-        let [elongation] = kernels::dots(self.arch, &self.modes.joint(dropper)[..slow], [&self.q[..slow]]);
-        elongation
+    /// Finds the elongations of droppers by the slow modes that feel these creep far from strips.
+    pub fn find_elongations(&mut self, droppers: Range<usize>) {
+        let Self { modes, elongations, .. } = self;
+        let rows = (droppers.len(), |at| modes.creeping_row(droppers.start + at));
+        elongations.clear();
+        kernels::dots_of_many(self.arch, rows, [[&self.q[..modes.creeping_modes]]], |_, [[sum]]| {
+            elongations.push(sum);
+        });
     }
 
     /// Adds changes of forces that push droppers apart to the forces on those modes.
     pub fn push_slow_modes(&mut self, changes: &[(usize, f64)]) {
-        let row = |dropper: usize| &self.modes.joint(dropper)[..self.modes.creeping_modes];
         let [forces, next] = &mut self.slow_forces;
-        let changes = changes.iter().map(|&(dropper, change)| (row(dropper), [change]));
+        let changes = changes.iter();
+        let changes = changes.map(|&(dropper, change)| (self.modes.creeping_row(dropper), [change]));
         let rows = std::iter::once((&**forces, [1.0])).chain(changes);
         kernels::weigh(self.arch, rows, [next]);
         self.slow_forces.swap(0, 1);
+    }
+
+    /// Way from a place along the track to the closest strip under a wire, m.
+    pub fn way(&self, x: f64) -> f64 {
+        let points = self.pass().map_or(&[][..], |pass| &pass.points);
+        let ways = points.iter().filter(|point| point.on).map(|point| (point.x - x).abs());
+        ways.fold(f64::INFINITY, f64::min)
     }
 
     /// Sum over the first modes, which the values are of, at a coordinate of the linearised line.

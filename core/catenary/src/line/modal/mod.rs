@@ -33,7 +33,6 @@
 //! store      modes found before
 //! stretch    lengths of wires that modes stretch
 //! together   moves of lines with strips at the same places
-//! packed     rows of them as bytes
 //! ```
 mod base;
 mod creep;
@@ -42,7 +41,6 @@ mod interface;
 mod lacking;
 mod lane;
 mod modes;
-mod packed;
 mod pass;
 mod slack;
 mod store;
@@ -183,7 +181,9 @@ impl ModalLine {
 
     /// Rise of a node, m.
     fn rise(&self, at: NodeOfWire) -> f64 {
-        self.height(at).map_or(0.0, |index| self.interface.deflection_of(index))
+        let x = self.shape.topology().x_of(at);
+        self.height(at)
+            .map_or(0.0, |index| self.interface.deflection_of(index, x))
     }
 
     fn most_lifted(&self, mast: usize) -> Option<(f64, NodeOfWire)> {

@@ -44,6 +44,8 @@ pub(super) struct Point {
     /// Amplitudes at the end of the step by a unit force there that does not move, those that it feels of others; and
     /// by a unit bend of such a force.
     fixed: [Aligned; 2],
+    /// True where these are found.
+    fixed_found: bool,
     /// Bend of the modal force by a unit force at the begin of the step, and its second derivative by one at the end.
     pub bends: [Aligned; 2],
 }
@@ -65,6 +67,7 @@ impl Point {
             shapes: [shapes(), shapes()],
             by_force: [room(), room()],
             fixed: [room(), room()],
+            fixed_found: false,
             bends: [room(), room()],
         }
     }
@@ -128,15 +131,24 @@ impl Point {
         };
         let part = (along * factors.h / slowest).abs().min(FASTEST);
         self.moving = 1.0 / (1.0 - part * part);
-        for (fixed, factor) in self.fixed.iter_mut().zip([&factors.q1, &factors.qb]) {
-            kernels::products(arch, &now.at, factor, fixed);
-        }
+        self.fixed_found = false;
         let passing = Passing {
             shapes: [&before.at, &before.slope, &now.at, &now.slope],
             rates: [along, per_step].map(|rate| rate as f32),
         };
         let [bends, by_force] = [&mut self.bends, &mut self.by_force].map(|rows| rows.each_mut().map(|row| &mut **row));
         kernels::pass(arch, factors.of(0..now.at.len()), passing, bends, by_force);
+    }
+
+    /// Finds the amplitudes by a force that does not move, which few steps need.
+    fn find_fixed(&mut self, arch: Arch, factors: &StepFactors) {
+        if self.fixed_found {
+            return;
+        }
+        for (fixed, factor) in self.fixed.iter_mut().zip([&factors.q1, &factors.qb]) {
+            kernels::products(arch, &self.shapes[1].at, factor, fixed);
+        }
+        self.fixed_found = true;
     }
 }
 
@@ -211,16 +223,17 @@ impl Pass {
     }
 
     /// Finds the answers between the points and a dropper where they are not yet known.
-    pub fn need(&mut self, (arch, modes): (Arch, &Modes), dropper: usize) {
+    pub fn need(&mut self, (arch, modes, factors): (Arch, &Modes, &StepFactors), dropper: usize) {
         let count = self.points.len();
         let answers = &mut self.by_droppers[dropper * count..][..count];
         let row = modes.joint(dropper);
-        for (answer, point) in answers.iter_mut().zip(&self.points) {
+        for (answer, point) in answers.iter_mut().zip(&mut self.points) {
             if !answer.deflection.is_nan() {
                 continue;
             }
             *answer = ByDropper::default();
             if point.on {
+                point.find_fixed(arch, factors);
                 let ([fixed, bent], [q, v]) = (&point.fixed, &point.by_force);
                 let [deflection, by_bend, elongation, rate] = kernels::dots(arch, row, [fixed, bent, q, v]);
                 let deflection = deflection + modes.residual_by_dropper(&point.columns, dropper);

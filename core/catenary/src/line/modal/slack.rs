@@ -1,11 +1,11 @@
 //! Droppers that may be slack at the end of a step.
-use super::lacking::bend;
 use super::modes::Modes;
 use super::pass::Pass;
 use super::stretch::taking_back;
 use dynamics::Lu;
-use dynamics::modal::{Aligned, StepFactors, kernels};
+use dynamics::modal::{Aligned, StepFactors, bend, kernels};
 use pulp::Arch;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Difference of forces between sweeps over slack droppers at which these end, N.
@@ -46,10 +46,8 @@ impl Answers {
 
     /// Answers between all droppers in a step of 0 s, which leads to rest.
     pub fn at_rest(modes: &Modes) -> Self {
-        let (mut answers, arch) = (Self::new(modes, 0.0), Arch::new());
-        for a in 0..modes.droppers() {
-            (a..modes.droppers()).for_each(|b| answers.need((arch, modes), [a, b]));
-        }
+        let (mut answers, arch, droppers) = (Self::new(modes, 0.0), Arch::new(), modes.droppers());
+        (0..droppers).for_each(|dropper| answers.need((arch, modes), dropper, dropper..droppers));
         answers
     }
 
@@ -59,20 +57,24 @@ impl Answers {
         self.between_droppers[a * modes.droppers() + b]
     }
 
-    /// Finds the answer of dropper `a` to the force of dropper `b`.
-    fn need(&mut self, (arch, modes): (Arch, &Modes), [a, b]: [usize; 2]) {
+    /// Finds the answers of a dropper to the forces of `others`.
+    fn need(&mut self, (arch, modes): (Arch, &Modes), dropper: usize, others: Range<usize>) {
         let step = &self.step;
         for (product, factor) in self.products.iter_mut().zip([&step.q1, &step.v1, &step.qb, &step.vb]) {
-            kernels::products(arch, modes.joint(a), factor, product);
+            kernels::products(arch, modes.joint(dropper), factor, product);
         }
         let products = self.products.each_ref().map(|product| &**product);
-        let [elongation, rate, by_bend, rate_by_bend] = kernels::dots(arch, modes.joint(b), products);
-        let elongation = elongation + modes.residual_between(a, b);
         let tension = |elongation: f64, rate: f64| modes.law.stiffness * elongation + modes.law.damping * rate;
-        let answer = [tension(elongation, rate), tension(by_bend, rate_by_bend)];
-        // Both ways the same, as the modes are.
-        self.between_droppers[a * modes.droppers() + b] = answer;
-        self.between_droppers[b * modes.droppers() + a] = answer;
+        let row = |at| modes.joint(others.start + at);
+        kernels::dots_of_many(arch, (others.len(), row), [products], |at, [sums]| {
+            let other = others.start + at;
+            let [elongation, rate, by_bend, rate_by_bend] = sums;
+            let elongation = elongation + modes.residual_between(dropper, other);
+            let answer = [tension(elongation, rate), tension(by_bend, rate_by_bend)];
+            // Both ways the same, as the modes are.
+            self.between_droppers[dropper * modes.droppers() + other] = answer;
+            self.between_droppers[other * modes.droppers() + dropper] = answer;
+        });
     }
 }
 
@@ -198,7 +200,7 @@ impl Candidates {
         for ((&dropper, push), &[elongation, rate]) in droppers.zip(motions) {
             let spring = modes.at_rest[dropper] + law.stiffness * elongation;
             self.free.push(spring + law.damping * rate - push);
-            pass.need((arch, modes), dropper);
+            pass.need((arch, modes, &answers.step), dropper);
             for answer in pass.by_dropper(dropper) {
                 by_force.deflections.push(answer.deflection);
                 by_bend.deflections.push(answer.by_bend * per_step);
@@ -211,7 +213,7 @@ impl Candidates {
             for &b in &self.droppers {
                 let mut answer = answers.between(modes, [a, b]);
                 if answer[0].is_nan() {
-                    Arc::make_mut(answers).need((arch, modes), [a, b]);
+                    Arc::make_mut(answers).need((arch, modes), a, b..b + 1);
                     answer = answers.between(modes, [a, b]);
                 }
                 by_force.between.push(answer[0]);

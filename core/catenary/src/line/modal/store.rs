@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::{env, fs, io, process};
 
 /// First line of a file; the number changes with the meaning of what follows.
-const FORMAT: &[u8; 24] = b"Pantoline, modes, no. 8\n";
+const FORMAT: &[u8; 24] = b"Pantoline, modes, no. 9\n";
 /// Modes kept by a process, and files kept in the folder; the oldest go first.
 const IN_PROCESS: usize = 4;
 const FILES: usize = 16;

@@ -218,29 +218,15 @@ impl Together<'_> {
     /// Adds what follows from `N` sums over each of `count` rows.
     fn add_sums<'a, const L: usize, const N: usize, T>(
         &self,
-        (count, row): (usize, impl Fn(usize) -> &'a [f32]),
+        rows: (usize, impl Fn(usize) -> &'a [f32]),
         ends: [[&[f32]; N]; L],
         mut found: [&mut Vec<T>; L],
         of_sums: impl Fn([f64; N]) -> T,
     ) {
-        let mut add = |sums: &[[[f64; N]; L]]| {
-            for sums in sums {
-                for (found, sums) in found.iter_mut().zip(sums) {
-                    found.push(of_sums(*sums));
-                }
+        kernels::dots_of_many(self.arch, rows, ends, |_, sums| {
+            for (found, sums) in found.iter_mut().zip(sums) {
+                found.push(of_sums(sums));
             }
-        };
-        for at in (0..count).step_by(4) {
-            match count - at {
-                1 => add(&kernels::dots_of_rows(self.arch, [row(at)], ends)),
-                2 => add(&kernels::dots_of_rows(self.arch, [0, 1].map(|k| row(at + k)), ends)),
-                3 => add(&kernels::dots_of_rows(self.arch, [0, 1, 2].map(|k| row(at + k)), ends)),
-                _ => add(&kernels::dots_of_rows(
-                    self.arch,
-                    [0, 1, 2, 3].map(|k| row(at + k)),
-                    ends,
-                )),
-            }
-        }
+        });
     }
 }
