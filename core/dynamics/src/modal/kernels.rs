@@ -452,6 +452,12 @@ mod tests {
         }
         let weights = [[0.5, -2.0], [3.0, 0.25], [-1.5, 1.0]];
         for count in 0..=7 {
+            let mut sums = Vec::new();
+            dots_of_many(arch, (count, |at| rows[at % 3]), [[a, b]], |at, [found]| {
+                sums.push((at, found))
+            });
+            let alone = (0..count).map(|at| (at, dots(arch, rows[at % 3], [a, b])));
+            assert_eq!(sums, alone.collect::<Vec<_>>());
             let terms = || (0..count).map(|n| (rows[n % 3], weights[n % 3]));
             let [mut one, mut other, mut alone] = [(); 3].map(|()| vec![f32::NAN; modes]);
             weigh(arch, terms(), [&mut one, &mut other]);
