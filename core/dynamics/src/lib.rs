@@ -82,7 +82,7 @@ pub use followed_input::{FollowedInput, MAX_ORDER};
 pub use force::{Force, Power, Weights};
 pub use integrate::{
     Checkpoint, Counters, Formulation, GeneralizedAlpha, Halved, Jacobian, NewtonOptions, OutsideError, Simulator,
-    StaticOptions, StaticReport, StaticSolver, StepError, solve_static,
+    StaticOptions, StaticReport, StaticSolver, StepError, period_error, solve_static,
 };
 pub use layout::Layout;
 pub use linear::eigen;

@@ -8,7 +8,7 @@ use crate::{
     RegistrationArms, ResidualCompliance, RunningSurface, Supports, Topology, WindOnLine, Wire, WireCurve,
     WireDirectors, WireGeometry, WireName, WireNode, WireSection,
 };
-use dynamics::{Force, Motion, PartVisitor};
+use dynamics::{Force, Motion, PartVisitor, period_error};
 use nalgebra::Vector3;
 use scene::{AxialStrain, Catenary, WireEnds};
 use std::sync::Arc;
@@ -190,14 +190,12 @@ impl Line {
     /// Uses the mass matrix that cancels the leading dispersion error of the integrator's steps, see
     /// [`Wire::with_mass_correction`].
     ///
-    /// Generalised-α of step `h` turns `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − ρ)/(1 + ρ)`, `ρ` its
-    /// spectral radius at infinite frequency; the trapezoidal rule is `r = 0`. The correction is therefore that of the
-    /// trapezoidal rule with the step `h √(1 + 9/2 r²)`. The forces of strips that move along the contact wire are
-    /// corrected accordingly, see [`LoadCorrection`].
+    /// Generalised-α of step `h` has the periods of the trapezoidal rule with the step `h √p`, `p` its
+    /// [`period_error`]: the correction is that of the rule with this step. The forces of strips that move along the
+    /// contact wire are corrected accordingly, see [`LoadCorrection`].
     #[must_use]
     pub fn with_mass_correction(mut self, correction: MassCorrection) -> Self {
-        let r = (1.0 - correction.rho_inf) / (1.0 + correction.rho_inf);
-        let of_trapezoid = 1.0 + 4.5 * r * r;
+        let of_trapezoid = period_error(correction.rho_inf);
         self.load = Some(LoadCorrection {
             step: correction.steps.contact_wire,
             kappa: of_trapezoid / 6.0,

@@ -35,5 +35,6 @@ pub(crate) mod workspace;
 pub use formulation::Formulation;
 pub use generalized_alpha::GeneralizedAlpha;
 pub use newton::{Counters, Jacobian, NewtonOptions, OutsideError, StepError};
+pub use scheme::period_error;
 pub use simulator::{Checkpoint, Halved, Simulator};
 pub use statics::{StaticOptions, StaticReport, StaticSolver, solve_static};

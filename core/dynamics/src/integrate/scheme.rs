@@ -36,14 +36,13 @@ impl Scheme {
     /// The same with the `β` that keeps periods to the fourth order of the step where nothing is damped: 1/12 in place
     /// of 1/4 where `rho_inf` is 1 [Fox & Goodwin 1949].
     ///
-    /// Those of [`Scheme::new`] turn `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − rho_inf)/(1 + rho_inf)`, and
-    /// `β` acts as a mass of `β h² K` (*derived here*). Steps are stable for `ωh` up to √6 only, so that `rho_inf` is
-    /// no longer that of infinite frequency.
+    /// `β` acts as a mass of `β h² K` against [`period_error`] (*derived here*). Steps are stable for `ωh` up to √6
+    /// only, so that `rho_inf` is no longer that of infinite frequency.
     #[must_use]
     pub fn fox_goodwin(self) -> Self {
-        let r = self.gamma - 0.5;
+        let rho_inf = self.alpha_f / (1.0 - self.alpha_f);
         Self {
-            beta: self.beta - 2.0 * (1.0 / 12.0 + 0.375 * r * r),
+            beta: self.beta - period_error(rho_inf) / 6.0,
             ..self
         }
     }
@@ -55,4 +54,14 @@ impl Scheme {
             self.gamma / (h * self.beta),
         )
     }
+}
+
+/// Error of the periods of generalised-α in errors of the trapezoid, –.
+///
+/// A step of `h` s turns `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − rho_inf)/(1 + rho_inf)`; the trapezoid is
+/// `r = 0`.
+#[must_use]
+pub fn period_error(rho_inf: f64) -> f64 {
+    let r = (1.0 - rho_inf) / (1.0 + rho_inf);
+    1.0 + 4.5 * r * r
 }

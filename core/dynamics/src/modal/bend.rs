@@ -1,4 +1,5 @@
 //! Force that a member which only pulls lacks within a step.
+
 /// Bend of the force `max(0, −s)` within a step, its second derivative times the square of the step, N, and the change
 /// of that with `s` at the end, –.
 ///
@@ -12,7 +13,7 @@ pub fn bend([before, begin, end]: [f64; 3]) -> [f64; 2] {
     } else {
         0.5 * (end - 2.0 * begin + before)
     };
-    // A parabola is off its chord by a quarter of `half` at most: most droppers stay taut or slack all the time.
+    // A parabola is off its chord by a quarter of `half` at most: most members stay taut or slack all the time.
     if begin.min(end) >= 0.25 * half.max(0.0) {
         return [0.0; 2];
     }
@@ -59,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_dropper_that_stays_slack_has_the_second_difference_of_its_force() {
+    fn a_member_that_stays_slack_has_the_second_difference_of_its_force() {
         let [bend, change] = bend([-4.0, -9.0, -11.0]);
         assert!((bend - (11.0 - 18.0 + 4.0)).abs() < 1e-12, "{bend}");
         assert!((change + 1.0).abs() < 1e-12, "{change}");
