@@ -6,6 +6,7 @@ use simulation::Mode;
 
 const FIXED_ENDS: &str = include_str!("../scenes/thesis-lumped.toml");
 const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const TRAM: &str = include_str!("../scenes/tram-single-wire.toml");
 
 /// Error of a run beside its wish that is allowed, –: rules are good to a factor of two, and several share a wish.
 const ALLOWED: f64 = 1.5;
@@ -38,5 +39,27 @@ fn runs_err_by_no_more_than_they_were_asked_to() {
             assert!(accuracy.expected_percent.unwrap() <= percent, "{accuracy:?}");
             assert!(error <= ALLOWED * percent, "{error} % of {percent} %");
         }
+    }
+}
+
+/// Error of Newton's tolerance that [`mesh::error_shares`] states, %/N.
+const OF_TOLERANCE: f64 = 0.5;
+
+/// A slow train, whose force varies little, and a fast one. Steps that ended with what a first correction leaves made
+/// 0.75 % on the line of trams.
+#[test]
+fn what_newtons_method_leaves_moves_the_force_by_no_more_than_stated() {
+    let slow = ["run.speed_kmh=65", "run.duration=12.3"];
+    for (text, more) in [(TRAM, &slow[..]), (EN_300, &THREE_SPANS)] {
+        let of = |tolerance: f64| {
+            let key = format!("solver.newton_tolerance={tolerance}");
+            let keys = [more, &["catenary.mesh.error_percent=1", &key]].concat();
+            run(scene_with(text, &keys), Mode::Monolithic, "tolerance")
+        };
+        let (exact, loose) = (of(1e-3), of(0.2));
+        let percent = 100.0 * loose.filtered_difference(&exact) / exact.sigma();
+        println!("{}: {percent:.3} %", exact.summary.title);
+        assert!(percent <= 0.2 * OF_TOLERANCE, "{percent} %");
+        assert!(loose.summary.cost.newton_iterations < exact.summary.cost.newton_iterations);
     }
 }

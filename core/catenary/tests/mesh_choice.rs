@@ -6,6 +6,7 @@ use scene::{Correction, Division, Scene, WireKind};
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN: &str = EN_250;
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
+const CONTROLLED: &str = include_str!("../../../scenes/thesis-controlled.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
 const LUMPED: &str = include_str!("../../../scenes/thesis-lumped.toml");
 const JOINT: &str = include_str!("../../../scenes/thesis-sliding-joint.toml");
@@ -234,7 +235,7 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
             mesh.corrections.len(),
             scene.solver.micro_step
         ),
-        (Division::UpTo(0.8125), 76, 3, 1e-3)
+        (Division::UpTo(0.8125), 76, 3, 1.4e-3)
     );
     // A macro step that leaves room for longer micro steps: elements of one length take them with the mass correction.
     let long = for_error(text, 2.0, &["coupling.macro_step=0.0016"]);
@@ -274,7 +275,9 @@ fn a_scene_without_a_mesh_gets_the_one_for_an_error_of_one_percent() {
     let free_step = without.replace("micro_step = 0.001", "# micro_step left out");
     for text in [&without, &free_step, &format!("{before}[catenary.mesh]\n{after}")] {
         let scene = read(text, &[]);
-        assert_eq!(scene, read(text, &["catenary.mesh={error_percent=1.0}"]));
+        // An error that is asked for has the macro step chosen, too.
+        let asked = ["catenary.mesh={error_percent=1.0}", "coupling.macro_step=0.001"];
+        assert_eq!(scene, read(text, &asked));
         assert_eq!(read(&scene.to_toml(), &[]), scene);
     }
     // A division that is set takes the place of the choice.
@@ -667,6 +670,32 @@ fn a_sliding_joint_takes_no_compliance_of_the_contact() {
         refused.contains("must be left out: contact.law is \"sliding_joint\""),
         "{refused}"
     );
+}
+
+#[test]
+fn steps_follow_an_error_that_is_asked_for() {
+    let steps = |text: &str, more: &[&str]| {
+        let scene = for_error(text, 1.0, more);
+        (scene.coupling.macro_step, scene.solver.micro_step)
+    };
+    assert_eq!(steps(EN_300, &[]), (1.4e-3, 1.4e-3));
+    // Exact in time but for the force of a strip, modes take the longest step.
+    assert_eq!(steps(EN_300, &["model.reduce=[\"modal\"]"]), (2.5e-3, 2.5e-3));
+    // Steps that are given stay.
+    assert_eq!(steps(EN_300, &["coupling.macro_step=0.002"]), (2e-3, 1e-3));
+    assert_eq!(steps(EN_300, &["solver.micro_step=0.0005"]), (1e-3, 5e-4));
+    // Of an error in a file, the macro step that it does not give.
+    let before = EN_300.split_once("elements_per_interval = 8").unwrap().0;
+    let after = EN_300.split_once("axial_strain").unwrap().1;
+    let in_file = format!("{before}error_percent = 1.0\naxial_strain{after}");
+    let chosen = |text: &str| read(text, &[]).coupling.macro_step;
+    assert_eq!(chosen(&in_file), 1e-3);
+    let open = in_file
+        .replace("macro_step = 0.001", "")
+        .replace("micro_step = 0.001", "");
+    assert_eq!(chosen(&open), 1.4e-3);
+    // No rule knows the coupling with samples of a control.
+    assert_eq!(steps(CONTROLLED, &[]).0, 1e-3);
 }
 
 /// A written scene that leaves its mesh to be chosen reads as the same, and the choice is the same.

@@ -6,7 +6,7 @@ use super::division::{Search, mesh_for};
 use super::error_shares::{error_shares, sum};
 
 /// Share of the wish that Newton's tolerance may take, N/%: fewer iterations at an error that hardly counts.
-const TOLERANCE: f64 = 0.05;
+const TOLERANCE: f64 = 0.2;
 /// Largest tolerance chosen, N.
 const LARGEST_TOLERANCE: f64 = 0.3;
 

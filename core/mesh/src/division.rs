@@ -5,8 +5,11 @@ use scene::{Catenary, Correction, Division, Scene};
 use super::corrections::choose_corrections;
 
 /// Micro steps that the rule chooses from where the macro step is controlled, s, and its longest and shortest where it
-/// is fixed: those between 1 and 2 ms are what the mass correction of even elements takes.
-const STEPS: [f64; 8] = [2e-3, 1.6e-3, 1.25e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
+/// is fixed: those between 1 and 2 ms are what the mass correction of even elements takes, 2.5 ms are for lines in
+/// their modes.
+const STEPS: [f64; 13] = [
+    2.5e-3, 2e-3, 1.6e-3, 1.4e-3, 1.25e-3, 1.1e-3, 1e-3, 8e-4, 6.5e-4, 5e-4, 2e-4, 1e-4, 5e-5,
+];
 /// Parts of a macro step above which those next to the list are enough: they differ from it by less than a twentieth.
 const MOST_PARTS: f64 = 1000.0;
 /// Most elements in an interval that the rule chooses.

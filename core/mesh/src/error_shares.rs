@@ -27,7 +27,7 @@ pub struct ErrorShare {
 }
 
 /// Error of Newton's tolerance, %/N.
-const TOLERANCE: f64 = 1.0;
+const TOLERANCE: f64 = 0.5;
 /// Error of the coupling with macro steps of 1 ms, which goes with their square, %.
 const COUPLING: f64 = 0.02;
 

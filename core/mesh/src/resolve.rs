@@ -28,13 +28,14 @@ pub fn resolve(scene: &mut Scene) -> Result<(), (String, What)> {
         MeshChoice::Error {
             percent,
             choose_micro_step,
+            choose_macro_step,
         } => {
             let search = Search {
                 percent,
                 error: &|scene| Ok(expected_error(scene)?.total()),
                 mesh_is_given: false,
                 micro_step_is_given: !choose_micro_step,
-                macro_step_follows: false,
+                macro_step_follows: choose_macro_step,
             };
             let chosen = mesh_for(scene, &search).map_err(|expected| {
                 let value = shown_number(percent, "%");

@@ -57,15 +57,31 @@ const OTHERS: [&str; 4] = [
     "model.reduce",
 ];
 
-/// Takes out the micro step of a file where an override asks for an error of the mesh: the step is part of the choice.
-pub(crate) fn free_step(root: &mut Table) {
-    let of_override = |path: &str| {
-        root.node_at(path)
-            .is_some_and(|node| matches!(node.at, At::Override(_)))
+/// Takes out the steps of a file where an override asks for an error of the mesh: they are part of the choice. True
+/// where the macro step is left to an error that is asked for.
+pub(crate) fn free_steps(root: &mut Table) -> bool {
+    let Some(at) = root.node_at("catenary.mesh.error_percent").map(|error| error.at) else {
+        return false;
     };
-    if of_override("catenary.mesh.error_percent") {
+    let by_rule = is_coupled_by_rule(root);
+    if matches!(at, At::Override(_)) {
         take_of_files(root, ["solver.micro_step"]);
+        if by_rule {
+            take_of_files(root, ["coupling.macro_step"]);
+        }
     }
+    by_rule && !root.has("coupling.macro_step")
+}
+
+/// True where all that is coupled are models of this program without samples of a control: rules for the coupling error
+/// hold for these.
+fn is_coupled_by_rule(root: &Table) -> bool {
+    let is_ours = |node: &Node| !matches!(&node.value, Value::Table(one) if one.has("fmu") || one.has("control"));
+    let are_ours = match root.node("pantograph").map(|node| &node.value) {
+        Some(Value::List(all)) => all.iter().all(is_ours),
+        _ => true,
+    };
+    are_ours && !root.has("catenary.fmu") && !root.has("controller")
 }
 
 /// Takes out keys with these paths that files gave, but for tables: how macro steps are controlled is more than their
@@ -98,15 +114,10 @@ pub(crate) fn left_open(root: &mut Table) -> Open {
         take_of_files(root, mesh.iter().chain(&OTHERS).copied());
     }
     let supplied_line = root.has("catenary.fmu");
-    let supplied_pantograph = match root.node("pantograph").map(|node| &node.value) {
-        Some(Value::List(all)) => (all.iter()).any(|node| matches!(&node.value, Value::Table(one) if one.has("fmu"))),
-        _ => false,
-    };
     let open = Open {
         mesh: !supplied_line && !beam && !MESH.iter().any(|path| root.has(path)),
         micro_step: !root.has("solver.micro_step"),
-        // Rules for the coupling error hold for models of this program.
-        macro_step: !root.has("coupling.macro_step") && !supplied_line && !supplied_pantograph,
+        macro_step: !root.has("coupling.macro_step") && is_coupled_by_rule(root),
         newton_tolerance: !root.has("solver.newton_tolerance"),
         reductions: !supplied_line && (!root.has("model.reduce") || says(root, "model.reduce", "auto")),
     };

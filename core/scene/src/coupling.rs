@@ -185,7 +185,8 @@ impl Entry for Coupling {
         ),
         (
             "macro_step",
-            "Communication step, or a table that lets the step follow the error made.",
+            "Communication step, or a table that lets the step follow the error made; left out with \
+             `error_percent`, it is as long as the micro step chosen.",
         ),
         (
             "parallel",

@@ -37,6 +37,8 @@ pub enum MeshChoice {
         percent: f64,
         /// True where the micro step is chosen too.
         choose_micro_step: bool,
+        /// True where a micro step that is chosen is the macro step too.
+        choose_macro_step: bool,
     },
 }
 
@@ -127,6 +129,7 @@ impl Mesh {
             choice: MeshChoice::Error {
                 percent,
                 choose_micro_step: true,
+                choose_macro_step: false,
             },
         }
     }
@@ -200,8 +203,8 @@ impl Entry for Mesh {
         ),
         (
             "error_percent",
-            "Error of the filtered force, in percent of its standard deviation, that elements, corrections and a \
-             micro step left out are chosen for; the default holds where no key of the mesh is given.",
+            "Error of the filtered force, in percent of its standard deviation, that elements, corrections and \
+             steps left out are chosen for; the default holds where no key of the mesh is given.",
         ),
         (
             "elements_per_interval",

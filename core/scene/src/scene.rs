@@ -1,6 +1,6 @@
 //! The whole scene.
 
-use crate::accuracy::{free_step, left_open};
+use crate::accuracy::{free_steps, left_open};
 use crate::check::Found;
 use crate::error::{SceneError, What};
 use crate::expand::{FILE_KEYS, apply_rules, take_files};
@@ -102,11 +102,19 @@ impl<'a> SceneFile<'a> {
         agree(wrong)?;
         agree(override_with(&mut root, overrides, |text| !of_files(text)))?;
         agree(apply_rules(&mut root))?;
-        free_step(&mut root);
+        let macro_step_is_free = free_steps(&mut root);
         let open = left_open(&mut root);
         let mut scene: Scene = read(&root, sources)?;
         if let Some(accuracy) = &mut scene.run.accuracy {
             accuracy.open = open;
+        }
+        if let Some(MeshChoice::Error {
+            choose_micro_step,
+            choose_macro_step,
+            ..
+        }) = scene.mesh_mut().map(|mesh| &mut mesh.choice)
+        {
+            *choose_macro_step = *choose_micro_step && macro_step_is_free;
         }
         Ok(Self {
             scene,
@@ -456,11 +464,19 @@ impl Entry for Scene {
             ),
         };
         let step_is_given = keys.is_given("solver.micro_step");
-        if let Some(MeshChoice::Error { choose_micro_step, .. }) = scene.mesh_mut().map(|mesh| &mut mesh.choice) {
+        if let Some(MeshChoice::Error {
+            choose_micro_step,
+            choose_macro_step,
+            ..
+        }) = scene.mesh_mut().map(|mesh| &mut mesh.choice)
+        {
             if was.is_none() {
                 *choose_micro_step = !step_is_given;
             } else if *choose_micro_step {
                 keys.leave_unwritten("solver.micro_step");
+            }
+            if *choose_macro_step {
+                keys.leave_unwritten("coupling.macro_step");
             }
         }
         if let Some(open) = was.and_then(|scene| scene.run.accuracy).map(|wish| wish.open) {

@@ -226,7 +226,7 @@ impl GeneralizedAlpha {
                     .observe(iteration - 1, last_ratio, residual.ratio);
             }
             let ends = match options.passes {
-                None => residual.ratio <= 1.0,
+                None => residual.ratio <= options.served_after(iteration),
                 Some(passes) => iteration == passes,
             };
             if ends {
@@ -239,7 +239,8 @@ impl GeneralizedAlpha {
             }
             let estimated = if options.passes.is_none() && damping == 1.0 && workspace.moving().is_empty() {
                 let convergence_estimate = &self.memory.convergence_estimate;
-                convergence_estimate.last_residual(iteration, residual.ratio, last_ratio)
+                (convergence_estimate.last_residual(iteration, residual.ratio, last_ratio))
+                    .filter(|left| *left <= options.served_after(iteration + 1))
             } else {
                 None
             };

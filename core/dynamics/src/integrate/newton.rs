@@ -5,6 +5,12 @@ use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
+/// Residual of generalised forces up to which a time step serves before its second correction, N.
+///
+/// First corrections leave residuals alike from step to step, which add up to a force that is not there: 1e-2 N by 1e-2
+/// N each. What second corrections leave below a tolerance is mostly far below.
+const OF_FIRST_CORRECTION: f64 = 1e-2;
+
 /// Occasions for a new iteration matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Jacobian {
@@ -48,6 +54,15 @@ impl Default for NewtonOptions {
 }
 
 impl NewtonOptions {
+    /// Part of the tolerance up to which the residual of a time step serves after so many corrections.
+    pub(crate) fn served_after(&self, corrections: usize) -> f64 {
+        if corrections < 2 {
+            (OF_FIRST_CORRECTION / self.tolerance).min(1.0)
+        } else {
+            1.0
+        }
+    }
+
     /// Tolerance for the residual of an unknown; the first unknowns are `coordinates`, then come constraints.
     pub(crate) fn tolerance_of(&self, unknown: usize, coordinates: usize) -> f64 {
         if unknown < coordinates {
