@@ -45,8 +45,8 @@ fn runs_err_by_no_more_than_they_were_asked_to() {
 /// Error of Newton's tolerance that [`mesh::error_shares`] states, %/N.
 const OF_TOLERANCE: f64 = 0.5;
 
-/// A slow train, whose force varies little, and a fast one. Steps that ended with what a first correction leaves made
-/// 0.75 % on the line of trams.
+/// A slow train, whose force varies little and for which steps that ended after one correction erred by seven times as
+/// much, and a fast one.
 #[test]
 fn what_newtons_method_leaves_moves_the_force_by_no_more_than_stated() {
     let slow = ["run.speed_kmh=65", "run.duration=12.3"];

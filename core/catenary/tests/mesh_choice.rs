@@ -684,6 +684,8 @@ fn steps_follow_an_error_that_is_asked_for() {
     // Steps that are given stay.
     assert_eq!(steps(EN_300, &["coupling.macro_step=0.002"]), (2e-3, 1e-3));
     assert_eq!(steps(EN_300, &["solver.micro_step=0.0005"]), (1e-3, 5e-4));
+    let long = EN_300.replace("macro_step = 0.001", "macro_step = 0.002");
+    assert_eq!(steps(&long, &["solver.micro_step=0.0005"]), (2e-3, 5e-4));
     // Of an error in a file, the macro step that it does not give.
     let before = EN_300.split_once("elements_per_interval = 8").unwrap().0;
     let after = EN_300.split_once("axial_strain").unwrap().1;

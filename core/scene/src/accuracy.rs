@@ -63,14 +63,17 @@ pub(crate) fn free_steps(root: &mut Table) -> bool {
     let Some(at) = root.node_at("catenary.mesh.error_percent").map(|error| error.at) else {
         return false;
     };
-    let by_rule = is_coupled_by_rule(root);
-    if matches!(at, At::Override(_)) {
+    let is_asked_anew = matches!(at, At::Override(_));
+    if is_asked_anew {
         take_of_files(root, ["solver.micro_step"]);
-        if by_rule {
-            take_of_files(root, ["coupling.macro_step"]);
-        }
     }
-    by_rule && !root.has("coupling.macro_step")
+    if root.has("solver.micro_step") || !is_coupled_by_rule(root) {
+        return false;
+    }
+    if is_asked_anew {
+        take_of_files(root, ["coupling.macro_step"]);
+    }
+    !root.has("coupling.macro_step")
 }
 
 /// True where all that is coupled are models of this program without samples of a control: rules for the coupling error

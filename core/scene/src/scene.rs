@@ -108,13 +108,8 @@ impl<'a> SceneFile<'a> {
         if let Some(accuracy) = &mut scene.run.accuracy {
             accuracy.open = open;
         }
-        if let Some(MeshChoice::Error {
-            choose_micro_step,
-            choose_macro_step,
-            ..
-        }) = scene.mesh_mut().map(|mesh| &mut mesh.choice)
-        {
-            *choose_macro_step = *choose_micro_step && macro_step_is_free;
+        if let Some(MeshChoice::Error { choose_macro_step, .. }) = scene.mesh_mut().map(|mesh| &mut mesh.choice) {
+            *choose_macro_step = macro_step_is_free;
         }
         Ok(Self {
             scene,

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 /// Residual of generalised forces up to which a time step serves before its second correction, N.
 ///
-/// First corrections leave residuals alike from step to step, which add up to a force that is not there: 1e-2 N by 1e-2
-/// N each. What second corrections leave below a tolerance is mostly far below.
+/// First corrections leave residuals alike from step to step, which act as a force that is not there. What second
+/// corrections leave is mostly far below a tolerance.
 const OF_FIRST_CORRECTION: f64 = 1e-2;
 
 /// Occasions for a new iteration matrix.
