@@ -5,6 +5,7 @@ use scene::{Division, Reduction, Scene};
 
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
 const LUMPED: &str = include_str!("../../../scenes/thesis-lumped.toml");
+const CONTROLLED: &str = include_str!("../../../scenes/thesis-controlled.toml");
 const STITCHED: &str = include_str!("../../../scenes/ac-stitched.toml");
 const SLIDING_JOINT: &str = include_str!("../../../scenes/thesis-sliding-joint.toml");
 
@@ -100,6 +101,12 @@ fn given_keys_win() {
     assert!(scene.model.reductions.is_empty());
     let scene = read(EN_300, &["run.accuracy_percent=1", "solver.micro_step=5e-4"]);
     assert_eq!(scene.internal_step(), 5e-4);
+    // So does a macro step of the file that is not chosen: beside such a micro step, and with samples of a control.
+    let long = |text: &str| text.replace("macro_step = 0.001", "macro_step = 0.002");
+    for (text, more) in [(EN_300, &["solver.micro_step=5e-4"][..]), (CONTROLLED, &[])] {
+        let scene = read(&long(text), &[&["run.accuracy_percent=3"], more].concat());
+        assert_eq!(scene.coupling.macro_step, 2e-3);
+    }
     let scene = read(EN_300, &["run.accuracy_percent=1", "solver.newton_tolerance=1e-6"]);
     assert_eq!(scene.solver.newton_tolerance, 1e-6);
     // An error given to the mesh is its own.

@@ -84,7 +84,7 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
         error: &|scene| Ok(sum(&error_shares(scene, scene.internal_step())?)),
         mesh_is_given: !open.mesh,
         micro_step_is_given: !open.micro_step,
-        macro_step_follows: open.macro_step && open.micro_step,
+        macro_step_follows: open.macro_step,
     };
     let candidates = if open.reductions {
         &CANDIDATES[..]

@@ -19,7 +19,7 @@ pub struct Open {
     pub mesh: bool,
     /// `solver.micro_step`.
     pub micro_step: bool,
-    /// `coupling.macro_step`.
+    /// `coupling.macro_step`, which is chosen with the micro step only.
     pub macro_step: bool,
     /// `solver.newton_tolerance`.
     pub newton_tolerance: bool,
@@ -49,21 +49,18 @@ const MESH: [&str; 4] = [
     "catenary.mesh.error_percent",
     "catenary.mesh.corrections",
 ];
-/// Other keys that the wish chooses.
-const OTHERS: [&str; 4] = [
-    "solver.micro_step",
-    "coupling.macro_step",
-    "solver.newton_tolerance",
-    "model.reduce",
-];
+/// Other keys that the wish chooses, but for the steps.
+const OTHERS: [&str; 2] = ["solver.newton_tolerance", "model.reduce"];
 
-/// Takes out the steps of a file where an override asks for an error of the mesh: they are part of the choice. True
-/// where the macro step is left to an error that is asked for.
-pub(crate) fn free_steps(root: &mut Table) -> bool {
-    let Some(at) = root.node_at("catenary.mesh.error_percent").map(|error| error.at) else {
-        return false;
-    };
-    let is_asked_anew = matches!(at, At::Override(_));
+/// Opens the steps of a scene to an error that is asked for of its mesh, as [`open_steps`].
+pub(crate) fn open_steps_to_mesh(root: &mut Table) -> bool {
+    let error = root.node_at("catenary.mesh.error_percent").map(|error| error.at);
+    error.is_some_and(|at| open_steps(root, matches!(at, At::Override(_))))
+}
+
+/// Takes out the steps of files where an override asks for an error, as they are part of the choice, but for a macro
+/// step that is not chosen. True where the macro step is left to be chosen with the micro step.
+fn open_steps(root: &mut Table, is_asked_anew: bool) -> bool {
     if is_asked_anew {
         take_of_files(root, ["solver.micro_step"]);
     }
@@ -112,15 +109,17 @@ pub(crate) fn left_open(root: &mut Table) -> Open {
     };
     // No rule chooses beams.
     let beam = says(root, "catenary.mesh.element", "beam");
-    if matches!(at, At::Override(_)) {
+    let is_asked_anew = matches!(at, At::Override(_));
+    if is_asked_anew {
         let mesh: &[&str] = if beam { &[] } else { &MESH };
         take_of_files(root, mesh.iter().chain(&OTHERS).copied());
     }
+    let macro_step = open_steps(root, is_asked_anew);
     let supplied_line = root.has("catenary.fmu");
     let open = Open {
         mesh: !supplied_line && !beam && !MESH.iter().any(|path| root.has(path)),
         micro_step: !root.has("solver.micro_step"),
-        macro_step: !root.has("coupling.macro_step") && is_coupled_by_rule(root),
+        macro_step,
         newton_tolerance: !root.has("solver.newton_tolerance"),
         reductions: !supplied_line && (!root.has("model.reduce") || says(root, "model.reduce", "auto")),
     };

@@ -1,6 +1,6 @@
 //! The whole scene.
 
-use crate::accuracy::{free_steps, left_open};
+use crate::accuracy::{left_open, open_steps_to_mesh};
 use crate::check::Found;
 use crate::error::{SceneError, What};
 use crate::expand::{FILE_KEYS, apply_rules, take_files};
@@ -102,14 +102,14 @@ impl<'a> SceneFile<'a> {
         agree(wrong)?;
         agree(override_with(&mut root, overrides, |text| !of_files(text)))?;
         agree(apply_rules(&mut root))?;
-        let macro_step_is_free = free_steps(&mut root);
+        let macro_step_follows = open_steps_to_mesh(&mut root);
         let open = left_open(&mut root);
         let mut scene: Scene = read(&root, sources)?;
         if let Some(accuracy) = &mut scene.run.accuracy {
             accuracy.open = open;
         }
         if let Some(MeshChoice::Error { choose_macro_step, .. }) = scene.mesh_mut().map(|mesh| &mut mesh.choice) {
-            *choose_macro_step = macro_step_is_free;
+            *choose_macro_step = macro_step_follows;
         }
         Ok(Self {
             scene,
