@@ -60,7 +60,7 @@ def test_a_value_is_refused_as_the_program_refuses_it(key: str, value: object, t
 def test_an_unknown_key_is_refused_with_the_nearest_one(scene: pantoline.Scene) -> None:
     with pytest.raises(ValueError, match='run.sped_kmh: unknown key, did you mean "speed_kmh"?'):
         scene["run.sped_kmh"]
-    with pytest.raises(pantoline.SceneError, match=r"has 1 entries, \[1\] to \[1\], and no \[2\]"):
+    with pytest.raises(pantoline.SceneError, match=r"has 1 entry, \[1\], and no \[2\]"):
         scene["pantograph[2].static_force"]
 
 

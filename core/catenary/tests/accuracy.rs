@@ -141,8 +141,8 @@ fn a_scene_without_a_wish_is_as_before() {
 #[test]
 fn wishes_that_no_rule_answers_are_refused() {
     for (text, overrides, reason) in [
-        (EN_300, &["run.accuracy_percent=0.1"][..], "between 0.3 and 10 %"),
-        (EN_300, &["run.accuracy_percent=20"], "between 0.3 and 10 %"),
+        (EN_300, &["run.accuracy_percent=0.1"][..], "must be from 0.3 to 10 %"),
+        (EN_300, &["run.accuracy_percent=20"], "must be from 0.3 to 10 %"),
         (EN_300, &["run.accuracy_percent=-1"], "must be positive"),
         (
             EN_300,

@@ -1,7 +1,7 @@
 //! Checks across keys: values that are valid alone but contradict each other or physics.
 
 use crate::error::What;
-use crate::write::{shown_key, shown_number};
+use crate::write::{shown_entries, shown_key, shown_number};
 use crate::{
     ContactLaw, Evaluate, Initialise, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Supplied, Wire,
 };
@@ -84,6 +84,9 @@ impl Scene {
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
+        }
+        // Ways and times of the run follow from the speed.
+        if found.is_empty() {
             found.extend(further(self));
             self.check_window(&mut found);
             self.check_strips_on_the_line(&mut found);
@@ -423,7 +426,7 @@ impl Lumped {
         ] {
             if entries != n {
                 let expected = format!("must have {n}, one per mass");
-                refuse(found, format!("{path}.{name}"), format!("{entries} entries"), expected);
+                refuse(found, format!("{path}.{name}"), shown_entries(entries), expected);
             }
         }
         for (i, stiffness) in self.stiffnesses.iter().enumerate().take(n.saturating_sub(1)) {

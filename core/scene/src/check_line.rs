@@ -2,7 +2,7 @@
 
 use crate::check::{Found, LONGEST_SPAN, ROUNDING, entry_of, refuse};
 use crate::error::What;
-use crate::write::shown_number;
+use crate::write::{shown_entries, shown_number};
 use crate::{Catenary, Element, Section, Statics};
 
 /// Shortest distance of droppers and clamps from each other and from supports, m: less than their clamps need, and so
@@ -115,8 +115,8 @@ impl Catenary {
             for (i, (lengths, positions)) in lengths.iter().zip(&self.droppers.positions).enumerate() {
                 if lengths.len() != positions.len() {
                     let expected = format!(
-                        "has {} entries, must have {}, one per position",
-                        lengths.len(),
+                        "has {}, must have {}, one per position",
+                        shown_entries(lengths.len()),
                         positions.len()
                     );
                     let key = entry_of(key, &self.droppers.positions, i);

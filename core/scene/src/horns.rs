@@ -4,7 +4,7 @@ use dynamics::MonotoneCubic;
 
 use crate::check::{Found, refuse};
 use crate::keys::{Entry, Keys, Length, Number, Sentences};
-use crate::write::shown_number;
+use crate::write::{shown_entries, shown_number};
 
 /// `horns` of a strip: points of the top of the head beyond the straight part, the same to both sides.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ impl Horns {
         let key = |axis: &str, i: usize| format!("{path}.strip.horns.{axis}[{}]", i + 1);
         if self.z.len() != self.y.len() {
             let expected = format!("must be {}, one for each entry of y", self.y.len());
-            let value = format!("{} entries", self.z.len());
+            let value = shown_entries(self.z.len());
             refuse(found, format!("{path}.strip.horns.z"), value, expected);
             return;
         }

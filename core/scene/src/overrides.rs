@@ -4,7 +4,7 @@ use toml::de::DeValue;
 
 use crate::error::What;
 use crate::tree::{At, Node, Step, Table, Value, steps, value};
-use crate::write::{shown, shown_key};
+use crate::write::{shown, shown_entries, shown_key};
 
 /// Applies in turn the overrides for which `chosen` holds.
 pub(crate) fn override_with(
@@ -125,16 +125,16 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
                         &mut list[index]
                     }
                     None => {
+                        let entries = shown_entries(count);
+                        let all = match count {
+                            0 => String::new(),
+                            1 => ", [1],".to_owned(),
+                            _ => format!(", [1] to [{count}],"),
+                        };
                         let expected = match step {
-                            Step::Entry(number) => {
-                                format!("has {count} entries, [1] to [{count}], and no [{number}]")
-                            }
-                            Step::Key(digits) if index.is_some() => {
-                                format!("has {count} entries, [1] to [{count}], and no .{digits}")
-                            }
-                            Step::Key(key) => {
-                                format!("has {count} entries; say which one, such as {walked}[1].{key}")
-                            }
+                            Step::Entry(number) => format!("has {entries}{all} and no [{number}]"),
+                            Step::Key(digits) if index.is_some() => format!("has {entries}{all} and no .{digits}"),
+                            Step::Key(key) => format!("has {entries}; say which one, such as {walked}[1].{key}"),
                         };
                         return Err((
                             walked.clone(),

@@ -217,17 +217,12 @@ const LEAST_ERROR: f64 = 0.3;
 /// Largest `accuracy_percent`: beyond, rules of errors are far off.
 const MOST_ERROR: f64 = 10.0;
 /// `accuracy_percent`.
-const ACCURACY: Number = Number::positive("%").at_least(LEAST_ERROR).at_most(MOST_ERROR);
+const ACCURACY: Number = Number::between_in("%", LEAST_ERROR, MOST_ERROR);
 
 /// Reads or writes `accuracy_percent`; what it leaves open is told by other keys.
 fn accuracy(keys: &mut Keys, was: Option<Option<Accuracy>>) -> Option<Accuracy> {
-    const KEY: &str = "accuracy_percent";
     let typed = was.map(|wish| wish.map(|wish| wish.percent));
-    let percent = keys.optional_number(KEY, typed, ACCURACY)?;
-    if percent > 0.0 && !(LEAST_ERROR..=MOST_ERROR).contains(&percent) {
-        let expected = format!("must be between {LEAST_ERROR} and {MOST_ERROR} %, for which errors are known by rule");
-        keys.refuse(KEY, expected);
-    }
+    let percent = keys.optional_number("accuracy_percent", typed, ACCURACY)?;
     let open = was.flatten().map(|wish| wish.open).unwrap_or_default();
     Some(Accuracy { percent, open })
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::check::{Found, refuse};
-use crate::write::shown_number;
+use crate::write::{shown_entries, shown_number};
 use crate::{Catenary, ContactLaw, HeadStrip, Line, Pantograph, PantographModel, Scene, Start};
 
 /// The one strip of a head without `strips`.
@@ -76,10 +76,10 @@ impl Pantograph {
         let key = format!("{path}.strip_start");
         if given > 0 && strips == 1 {
             let expected = "must be left out: a head with one strip has start alone";
-            refuse(found, key, format!("{given} entries"), expected);
+            refuse(found, key, shown_entries(given), expected);
         } else if given > 0 && (given != strips || self.start.is_none()) {
             let expected = format!("must have {strips}, one per strip, and start beside it, or be left out");
-            refuse(found, key, format!("{given} entries"), expected);
+            refuse(found, key, shown_entries(given), expected);
         }
     }
 }
@@ -198,7 +198,7 @@ impl Scene {
             }
         }
         let key = format!("pantograph[{}].strips", several + 1);
-        let value = format!("{} entries", self.pantographs[several].strips().len());
+        let value = shown_entries(self.pantographs[several].strips().len());
         if (self.contact.as_ref()).is_some_and(|contact| contact.law == ContactLaw::SlidingJoint) {
             let expected = "must be one strip, or contact.law \"penalty\": a sliding joint holds one strip of a head";
             refuse(found, key, value, expected);

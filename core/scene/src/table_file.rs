@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::wind::rows_of;
+use crate::write::shown_entries;
 use crate::{AerodynamicMarker, GivenMotion, Irregularities, Points, Scene, Vehicle, Wind};
 
 /// Most rows of a record of the wind: what a scene can still hold as text.
@@ -47,8 +48,8 @@ fn columns(text: &str, names: &[&str]) -> Result<Vec<Vec<f64>>, String> {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         if cells.len() != header.len() {
             return Err(format!(
-                "line {number} has {} entries, must have {}, one per column",
-                cells.len(),
+                "line {number} has {}, must have {}, one per column",
+                shown_entries(cells.len()),
                 header.len()
             ));
         }
@@ -183,7 +184,7 @@ mod tests {
         assert!(refusal("").contains("is empty"));
         assert!(refusal("z\n1\n").contains("\"time\""));
         assert!(refusal("time,zz\n").contains("\"zz\""));
-        assert!(refusal("time,z\n1\n").contains("line 2 has 1 entries"));
+        assert!(refusal("time,z\n1\n").contains("line 2 has 1 entry"));
         assert!(refusal("time,z\n1,up\n").contains("line 2, z: \"up\""));
         assert!(refusal("time,z\n").contains("no rows"));
     }

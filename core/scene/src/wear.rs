@@ -3,7 +3,7 @@
 use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::keys::{Entry, Keys, Number, Sentences};
-use crate::write::shown_number;
+use crate::write::{shown_entries, shown_number};
 use crate::{Line, Scene};
 
 /// `[wear]`: electrical state of the contacts, and the law by which wire and strips wear.
@@ -326,7 +326,7 @@ impl Scene {
         let (currents, heads) = (wear.current.len(), self.pantographs.len());
         if currents != 1 && currents != heads {
             let expected = format!("must be one number, or {heads}, one for each pantograph");
-            refuse(found, "wear.current", format!("{currents} entries"), expected);
+            refuse(found, "wear.current", shown_entries(currents), expected);
         }
         let wire = &wear.wire;
         if wire.diameter > THICKEST_WIRE {

@@ -85,6 +85,15 @@ pub(crate) fn shown_key(key: &str) -> String {
     }
 }
 
+/// A number of entries in a message: `1 entry`, `3 entries`.
+pub(crate) fn shown_entries(count: usize) -> String {
+    if count == 1 {
+        "1 entry".to_owned()
+    } else {
+        format!("{count} entries")
+    }
+}
+
 /// A number in a message: `-250 km/h`, `1e300 s`.
 #[must_use]
 pub fn shown_number(number: f64, unit: &str) -> String {

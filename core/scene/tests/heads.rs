@@ -165,11 +165,11 @@ fn what_no_head_can_be_is_refused_with_key_value_and_remedy() {
         ),
         (
             &[TWO, "strip_start=[{ height = 5.3, force = 60 }]"],
-            "pantograph[1].strip_start = 1 entries: must have 2, one per strip, and start beside it",
+            "pantograph[1].strip_start = 1 entry: must have 2, one per strip, and start beside it",
         ),
         (
             &["strip_start=[{ height = 5.3, force = 60 }]"],
-            "pantograph[1].strip_start = 1 entries: must be left out: a head with one strip has start alone",
+            "pantograph[1].strip_start = 1 entry: must be left out: a head with one strip has start alone",
         ),
     ];
     for (keys, fragment) in cases {

@@ -146,14 +146,14 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \
         \"vertical\", \"full\""]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] \
-        }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
+        }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entry, must be a list of numbers in m, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] \
         }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0, 0.6] \
         }\n[coupling]", &["vehicle.motion.pitch[2] = 0.6 rad: must be between -0.5 and 0.5 rad: it is the angle of a \
         vehicle on rails"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0] \
-        }\n[coupling]", &["vehicle.motion.pitch = [0.0]: has 1 entries, must be a list of numbers in rad, 2 of them"]),
+        }\n[coupling]", &["vehicle.motion.pitch = [0.0]: has 1 entry, must be a list of numbers in rad, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pich = [0.0, 0.0] \
         }\n[coupling]", &["pich", "pitch"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], x = [0.0, 1e4] \
@@ -263,6 +263,10 @@ const EDITS: &[(&str, &str, &[&str])] = &[
         0.01 m or more from the end of the line at 0 m"]),
     ("speed_kmh = 250.0 ", "speed_kmh = 500.0 ", &["run.speed_kmh = 500 km/h: must be below 438.2 km/h", "121.72 \
         m/s", "allow_supercritical"]),
+    ("low_pass_hz", "accuracy_percent = 0\nlow_pass_hz", &["run.accuracy_percent = 0 %: must be from 0.3 to 10 %"]),
+    ("low_pass_hz", "accuracy_percent = nan\nlow_pass_hz", &["run.accuracy_percent = NaN %: must be from 0.3 to 10 %"]),
+    ("low_pass_hz", "accuracy_percent = \"text\"\nlow_pass_hz", &["run.accuracy_percent = \"text\": must be a number \
+        in % from 0.3 to 10"]),
     ("spans = [5, 6]", "spans = [6, 5]", &["run.evaluate.spans = [6, 5]: must be two spans from 1 to 10"]),
     ("spans = [5, 6]", "spans = [5, 11]", &["run.evaluate.spans = [5, 11]: must be two spans from 1 to 10"]),
     ("spans = [5, 6]", "spans = [1, 2]", &["run.evaluate.spans = [1, 2]: must lie within the run", "from 0 m to 120 \
@@ -287,7 +291,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("49.5, 55.0]", "49.5, 59.9]", &["accepted"]),
     ("span_length = 60.0", "span_length = 1e9", &["catenary.span_length = 1000000000 m: must be at most 5000 m, each \
         span"]),
-    ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entries: must have 2, one per \
+    ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entry: must have 2, one per \
         mass"]),
     ("stiffnesses = [4200.0,", "stiffnesses = [0.0,", &["pantograph[1].stiffnesses[1] = 0 N/m: must be positive"]),
     ("stagger = [0.0]", "stagger = [0.2, -0.7]", &["catenary.stagger[2] = -0.7 m: must be within ±0.6 m, half the \
@@ -344,6 +348,10 @@ fn one_mistake_is_one_line() {
         );
         assert_eq!(told.lines().count(), 1, "{told}");
     }
+    // Where a run ends follows from its speed, which is wrong.
+    let told = message(EN, &["run.speed_kmh=1e30"]);
+    holds(&told, &["run.speed_kmh = 1e30 km/h: must be below"]);
+    assert_eq!(told.lines().count(), 1, "{told}");
     // A mesh is not chosen, nor a step halved, for values that are refused.
     for keys in [
         &["run.speed_kmh=-250"][..],
@@ -596,11 +604,11 @@ fn a_wrong_override_is_refused_with_its_own_text() {
         ("catenary.stagger=[0.2, ", &["catenary.stagger: \"[0.2,\" is not a TOML value"]),
         ("run.speed_kmh.value=3", &["run.speed_kmh = 250.0: is not a table, so there is no key value in it"]),
         ("run.speed_kmh[1]=3", &["run.speed_kmh = 250.0: is not a list"]),
-        ("pantograph[2].static_force=3", &["pantograph = list: has 1 entries, [1] to [1], and no [2]"]),
+        ("pantograph[2].static_force=3", &["pantograph = list: has 1 entry, [1], and no [2]"]),
         ("pantograph[0].static_force=3", &["and no [0]"]),
         (
             "pantograph.static_force=3",
-            &["pantograph = list: has 1 entries; say which one, such as pantograph[1].static_force"],
+            &["pantograph = list: has 1 entry; say which one, such as pantograph[1].static_force"],
         ),
         ("pantograph.1.static_force=3", &["and no .1"]),
         ("run=3", &["run = 3: must be a table"]),

@@ -534,10 +534,7 @@ fn wrong_changes_and_masses_are_refused() {
             "catenary.surface={x=[1, 0], height=[0, 0]}",
             ["surface.x", "must ascend"],
         ),
-        (
-            "catenary.surface={x=[0, 1], height=[0]}",
-            ["surface.height", "1 entries"],
-        ),
+        ("catenary.surface={x=[0, 1], height=[0]}", ["surface.height", "1 entry"]),
     ] {
         let message = read(TOML, CSV, &[override_]).unwrap_err();
         for part in parts {

@@ -3,7 +3,7 @@
 use super::Keys;
 use crate::error::What;
 use crate::tree::{Node, Value};
-use crate::write::{shown, shown_number};
+use crate::write::{shown, shown_entries, shown_number};
 
 /// Unit, range and default of a number.
 #[derive(Clone, Copy)]
@@ -144,7 +144,10 @@ impl Number {
                 let expected = format!("must be {LEAST_RADIUS} m or more to the left, negative to the right, or inf");
                 return (!holds).then_some(expected);
             }
-            Range::Between(from, to) => ((from..=to).contains(&value), format!("must be from {from} to {to}")),
+            Range::Between(from, to) => (
+                (from..=to).contains(&value),
+                format!("must be from {from} to {}", shown_number(to, self.unit)),
+            ),
         };
         (!(holds && value.is_finite())).then_some(expected)
     }
@@ -267,7 +270,10 @@ impl Keys<'_> {
                 ..
             }) => {
                 if !length.holds(list.len()) {
-                    self.refuse(name, format!("has {} entries, must be {}", list.len(), expected()));
+                    self.refuse(
+                        name,
+                        format!("has {}, must be {}", shown_entries(list.len()), expected()),
+                    );
                 }
                 list.iter()
                     .enumerate()

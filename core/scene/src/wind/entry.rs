@@ -5,6 +5,7 @@ use super::{
 };
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, Sentences};
+use crate::write::shown_entries;
 
 /// Faster than any wind that was measured at the ground, m/s.
 const FASTEST: f64 = 120.0;
@@ -281,7 +282,7 @@ impl Entry for WindSurface {
                 } else {
                     format!("{expected} numbers, one per angle of angles_deg")
                 };
-                keys.refuse(name, format!("has {} entries, must be {of_what}", values.len()));
+                keys.refuse(name, format!("has {}, must be {of_what}", shown_entries(values.len())));
             }
         }
         Self {
