@@ -3,6 +3,7 @@
 use scene::{Assessment, Electrification};
 use serde::Serialize;
 
+use crate::report::format::in_unit;
 use crate::standards::{self, Certainty, Conditions, Figures, Limit, Line};
 use crate::statistics::{Filter, ForceStatistics};
 
@@ -122,7 +123,10 @@ fn figure(limit: &Limit) -> Option<String> {
     let (scale, unit) = limit.scale();
     Some(match limit.formula.as_str() {
         "" if unit == "mm" => format!("{sign} {:.0} mm", scale * value),
-        "" => format!("{sign} {} {unit}", (1e4 * scale * value).round() / 1e4),
+        "" => {
+            let value = (1e4 * scale * value).round() / 1e4;
+            format!("{sign} {}", in_unit(&value.to_string(), unit))
+        }
         formula => format!("{sign} {formula}"),
     })
 }

@@ -36,6 +36,14 @@ pub fn milliseconds(step: Option<f64>) -> String {
     or_dash(step.map(|step| (1e9 * step).round() / 1e6))
 }
 
+/// A number with its unit; alone where the unit is `–`, which reads as a minus behind a number.
+pub fn in_unit(number: &str, unit: &str) -> String {
+    match unit {
+        "" | "–" => number.to_owned(),
+        _ => format!("{number} {unit}"),
+    }
+}
+
 /// So many decimals, or `–`.
 pub fn decimals(value: Option<f64>, digits: usize) -> String {
     or_dash(value.map(|value| format!("{value:.digits$}")))

@@ -283,6 +283,13 @@ fn failed_limits_are_said_with_value_unit_and_limit() {
     let mut summary = failing().summary;
     let failed = failed_limits(&summary);
     assert!(failed.iter().any(|said| said.ends_with("N (< 30.00)")), "{failed:?}");
+    // A dash behind a number would read as a minus.
+    summary.limits.iter_mut().for_each(|limit| limit.unit = "–".to_owned());
+    let failed = failed_limits(&summary);
+    assert!(
+        !failed.is_empty() && failed.iter().all(|said| !said.contains('–')),
+        "{failed:?}"
+    );
     summary.limits.iter_mut().for_each(|limit| limit.pass = None);
     assert!(failed_limits(&summary).is_empty());
     assert!(table(&summary).contains("Verdict: no limit is decided"));

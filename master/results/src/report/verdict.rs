@@ -1,6 +1,6 @@
 //! The verdict that opens page and table: which limits fail, which hold, and by how much.
 
-use super::format::decimals;
+use super::format::{decimals, in_unit};
 use super::label::NamedRun;
 use super::table::{quantity_name, readable};
 use super::{cell, escape, head_cells, lined, table};
@@ -36,7 +36,7 @@ pub(super) fn margin(limit: &Limit) -> String {
     let (scale, unit) = limit.scale();
     match (share(limit), limit.room()) {
         (Some(share), _) => format!("{:+.1} %", 100.0 * share),
-        (None, Some(room)) => format!("{:+.2} {unit}", scale * room),
+        (None, Some(room)) => in_unit(&format!("{:+.2}", scale * room), unit),
         (None, None) => "–".to_owned(),
     }
     .replace('-', "−")
@@ -125,10 +125,10 @@ pub fn failed_limits(summary: &Summary) -> Vec<String> {
     let said = failed.map(|limit| {
         let (value, _, unit) = readable(&limit);
         format!(
-            "{} {} {} {unit} ({})",
+            "{} {} {} ({})",
             limit.standard,
             quantity_name(&limit),
-            decimals(value, 2),
+            in_unit(&decimals(value, 2), unit),
             table::bounded(&limit)
         )
     });
@@ -157,9 +157,8 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
         if let (true, Some(tolerance)) = (limit.is_close(), limit.tolerance) {
             let (scale, unit) = limit.scale();
             why.push_str(&format!(
-                "<br><span class=\"soft\">numerical uncertainty ± {} {}</span>",
-                decimals(Some(scale * tolerance), 2),
-                escape(unit)
+                "<br><span class=\"soft\">numerical uncertainty ± {}</span>",
+                escape(&in_unit(&decimals(Some(scale * tolerance), 2), unit))
             ));
         }
         if let (true, Some(source)) = (pass, &limit.source) {
@@ -173,7 +172,7 @@ fn lines(limits: &[Limit], pass: bool) -> impl Iterator<Item = String> {
                 "",
                 &format!("{name} <span class=\"soft\">{standard} {mark}</span>{why}"),
             )
-            + &cell("n", &format!("{} {}", decimals(value, 2), escape(unit)))
+            + &cell("n", &escape(&in_unit(&decimals(value, 2), unit)))
             + &cell("n", &escape(&table::bounded(limit)))
             + &cell(&format!("n {class}"), &margin(limit))
     })
