@@ -103,7 +103,7 @@ enum Command {
     #[command(after_help = EXIT_STATUS)]
     Wear(wear::WearArguments),
     /// Runs a scene at the pace of real time: how long its steps take, and how many end late
-    #[command(after_help = EXIT_STATUS)]
+    #[command(arg = hidden_out(), after_help = EXIT_STATUS)]
     Latency(latency::LatencyArguments),
     /// Lets the line of a scene gallop in a steady wind: critical speed, growth and limit cycle, without pantographs
     #[command(after_help = EXIT_STATUS)]
@@ -185,7 +185,7 @@ fn hidden_set() -> Arg {
     Arg::new("overrides").long("set").action(ArgAction::Append).hide(true)
 }
 
-/// `--out` of a command that writes no files: not in its help.
+/// `--out` of a command that writes no files: refused with a reason, and not in its help.
 fn hidden_out() -> Arg {
     let path = clap::value_parser!(PathBuf);
     Arg::new("out").long("out").value_parser(path).hide(true)
@@ -252,7 +252,7 @@ pub fn main() -> ExitCode {
         Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
         Command::Validate(arguments) => validate::validate(&arguments, &common),
         Command::Explain { words, scene } => command::explain::explain(&words, scene.as_deref(), &common),
-        Command::Completions { shell } => command::completions::completions(shell),
+        Command::Completions { shell } => command::completions::completions(shell, &common),
         Command::Report { directories } => command::report::report(&directories, &common),
     };
     let status = result.err().map_or(0, |error| {

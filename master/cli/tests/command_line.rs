@@ -389,6 +389,10 @@ fn files_of_another_kind_are_named_with_what_would_be_right() {
         ),
         (&["compare", "--test-problem", "--set", "a=1"], "reads no scene"),
         (
+            &["latency", &missing, "--out", "x"],
+            "--out x: master latency writes no files",
+        ),
+        (
             &["compare", &fmu, "--macro-steps", "-1"],
             "must be a positive number in ms",
         ),

@@ -122,14 +122,18 @@ impl LatencyReport {
             let cells: String = cells.iter().map(|time| format!("{:>10.1}", 1e6 * time)).collect();
             format!("{name:<28}{cells}\n")
         };
+        let runs = match self.runs {
+            1 => "1 run".to_owned(),
+            runs => format!("{runs} runs"),
+        };
         let mut text = format!(
-            "{} ({}), paced at {} ms: {} steps in {} runs, {:.3} % ended late\n\n\
+            "{} ({}), paced at {} ms: {} steps in {}, {:.3} % ended late\n\n\
              {:<28}{:>10}{:>10}{:>10}{:>10}{:>10}\n",
             self.scene,
             self.mode,
             1e3 * self.macro_step_s,
             self.steps,
-            self.runs,
+            runs,
             self.missed_percent,
             "time in µs",
             "50 %",

@@ -6,7 +6,7 @@ use results::explain::Explanation;
 use scene::{Assessment, KeyText};
 use serde::Serialize;
 
-use super::{CommandError, SceneFile, nothing_to_set, print, print_json};
+use super::{CommandError, SceneFile, nothing_to_set, nothing_to_write, print, print_json};
 use crate::cli::Common;
 
 /// Most names that a hint lists.
@@ -54,6 +54,7 @@ impl Key {
 /// See [`CommandError`].
 pub fn explain(words: &[String], scene: Option<&Path>, common: &Common) -> Result<(), CommandError> {
     nothing_to_set("master explain", common)?;
+    nothing_to_write("master explain", common)?;
     let assessment = match scene {
         Some(path) => SceneFile::read(path, common)?.scene.assessment,
         None => Assessment::default(),

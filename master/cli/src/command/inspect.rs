@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fmi2::import::Fmu;
 
-use super::{CommandError, nothing_to_set, print, print_json};
+use super::{CommandError, nothing_to_set, nothing_to_write, print, print_json};
 use crate::cli::Common;
 use suppliers::inspect;
 
@@ -14,6 +14,7 @@ use suppliers::inspect;
 /// See [`CommandError`].
 pub fn inspect(path: &Path, common: &Common) -> Result<(), CommandError> {
     nothing_to_set("master inspect", common)?;
+    nothing_to_write("master inspect", common)?;
     let fmu = Fmu::open(path).map_err(|error| CommandError::FmuFile(Box::new(error)))?;
     let inspection = inspect::Inspection::of(&fmu);
     if common.json {

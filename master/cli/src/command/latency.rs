@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::run::ModeArgument;
-use super::{CommandError, SceneFile, interrupted, print, print_json, say};
+use super::{CommandError, SceneFile, interrupted, nothing_to_write, print, print_json, say};
 use crate::cli::Common;
 use crate::cli::values::above_zero;
 use cosim::package;
@@ -30,6 +30,7 @@ pub struct LatencyArguments {
 /// # Errors
 /// See [`CommandError`].
 pub fn latency(arguments: &LatencyArguments, common: &Common) -> Result<(), CommandError> {
+    nothing_to_write("master latency", common)?;
     let path = arguments.scene.as_path();
     let file = SceneFile::read(path, common)?;
     file.notes.iter().for_each(|note| say(common)(note));

@@ -173,6 +173,14 @@ pub enum CommandError {
         /// The first override.
         first: String,
     },
+    /// A directory for a command that writes no files.
+    #[error("--out {}: {command} writes no files, its result is on stdout; leave --out out", out.display())]
+    NothingToWrite {
+        /// The command.
+        command: &'static str,
+        /// The directory.
+        out: PathBuf,
+    },
     /// The run cannot begin.
     #[error(transparent)]
     Setup(Box<SetupError>),
@@ -400,6 +408,17 @@ fn scene_text(found: &Path, path: &Path) -> Result<String, CommandError> {
 pub fn nothing_to_set(command: &'static str, common: &Common) -> Result<(), CommandError> {
     match common.overrides.first().cloned() {
         Some(first) => Err(CommandError::NothingToSet { command, first }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a directory for results where none are written.
+///
+/// # Errors
+/// [`CommandError::NothingToWrite`].
+pub fn nothing_to_write(command: &'static str, common: &Common) -> Result<(), CommandError> {
+    match common.out.clone() {
+        Some(out) => Err(CommandError::NothingToWrite { command, out }),
         None => Ok(()),
     }
 }
