@@ -117,6 +117,8 @@ fn pages_of_check_sweep_stability_and_compare_are_sound() {
         "run.speed_kmh=200,240",
         "--vary",
         "pantograph[1].static_force=110,120",
+        "--vary",
+        "contact.stiffness=4e4,5e4",
     ];
     let sweep = |count: usize, name: &str| {
         let arguments: Vec<&str> = ["sweep", &line]
@@ -127,6 +129,7 @@ fn pages_of_check_sweep_stability_and_compare_are_sound() {
     };
     sound("sweep of one key", &sweep(1, "one"), 6);
     sound("sweep of two keys", &sweep(2, "two"), 6);
+    sound("sweep of three keys", &sweep(3, "three"), 1);
     sound(
         "stability",
         &page(

@@ -46,9 +46,52 @@ struct Drawn {
     figures: [Option<f64>; FIGURES.len()],
 }
 
+/// A varied or derived key.
+#[derive(Clone, Debug)]
+struct Key {
+    name: String,
+    /// Unit of a key of the scene; empty where there is none.
+    unit: String,
+    is_number: bool,
+}
+
+impl Key {
+    /// Name and unit for an axis.
+    fn label(&self) -> String {
+        in_unit(&self.name, &self.unit)
+    }
+}
+
+/// A name with its unit in brackets, where there is one.
+fn in_unit(name: &str, unit: &str) -> String {
+    match unit {
+        "" | "–" => name.to_owned(),
+        _ => format!("{name} [{unit}]"),
+    }
+}
+
+/// Path of a key without the numbers of entries.
+fn plain(path: &str) -> String {
+    let names = path.split('.').filter(|step| step.parse::<usize>().is_err());
+    let names: Vec<&str> = names.map(|step| step.split('[').next().unwrap_or(step)).collect();
+    names.join(".")
+}
+
+/// A number as a reader of the page needs it; the tables have all digits.
+fn readable(value: &Value) -> String {
+    value
+        .number()
+        .map_or_else(|| value.shown(), |number| shown(rounded(number)))
+}
+
+/// Six significant digits.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
 /// A page that is given row by row.
 pub struct Page {
-    keys: Vec<(String, bool)>,
+    keys: Vec<Key>,
     varied: usize,
     /// Rows between two drawn cases.
     every: u64,
@@ -64,11 +107,19 @@ impl Page {
     /// An empty page for so many rows.
     #[must_use]
     pub fn new(plan: &Plan, rows: u64) -> Self {
+        let known = scene::described_keys();
+        let unit = |name: &str| {
+            let path = plain(name);
+            let of_scene = known.iter().find(|key| key.path() == path);
+            of_scene.map_or_else(String::new, |key| key.unit.clone())
+        };
+        let key = |(name, is_number): (&str, bool)| Key {
+            name: name.to_owned(),
+            unit: unit(name),
+            is_number,
+        };
         Self {
-            keys: plan
-                .columns()
-                .map(|(name, is_number)| (name.to_owned(), is_number))
-                .collect(),
+            keys: plan.columns().map(key).collect(),
             varied: plan.varied_count(),
             every: rows.div_ceil(DRAWN).max(1),
             drawn: Vec::new(),
@@ -147,7 +198,7 @@ impl Page {
             let said = "Incomplete: the same command makes the cases that are missing.";
             lead.push_str(&format!("<p class=\"warning\">{said}</p>\n"));
         }
-        let keys: Vec<String> = self.keys[..self.varied].iter().map(|(name, _)| escape(name)).collect();
+        let keys: Vec<String> = self.keys[..self.varied].iter().map(|key| escape(&key.name)).collect();
         lead.push_str(&format!("<p>Varied: {}.</p>\n", keys.join(", ")));
         if self.every > 1 {
             lead.push_str(&format!(
@@ -166,12 +217,12 @@ impl Page {
         let heads: String = self
             .keys
             .iter()
-            .map(|(name, _)| format!("<th class=\"n\">{}</th>", escape(name)))
+            .map(|key| head_cells([(&*escape(&key.name), &*escape(&key.unit), true)]))
             .collect();
         let row = |(std, pantograph, case): &(f64, usize, Case)| {
-            let derived = case.derived.iter().map(|value| shown(*value));
-            let keys = case.values.iter().map(Value::shown).chain(derived);
-            let keys: String = keys.map(|key| cell("n", &escape(&key))).collect();
+            let derived = case.derived.iter().map(|value| Value::Number(*value));
+            let keys = case.values.iter().cloned().chain(derived);
+            let keys: String = keys.map(|key| cell("n", &escape(&readable(&key)))).collect();
             let link = format!("<a href=\"#case-{0}\">{0}</a>", case.number);
             let pantograph = cell("n", &pantograph.to_string());
             cell("n", &link) + &pantograph + &keys + &cell("n", &format!("{std:.2}"))

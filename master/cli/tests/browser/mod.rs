@@ -40,6 +40,12 @@ pub struct Seen {
     pub overflow: u32,
     /// Parts that reach beyond it.
     pub wide: Vec<String>,
+    /// Buttons that are taller than a line.
+    pub stretched: Vec<String>,
+    /// Names of axes that are cut off above their figure.
+    pub beyond: Vec<String>,
+    /// Figures that nothing describes in words.
+    pub nameless: Vec<String>,
     /// Buttons.
     pub buttons: usize,
     /// Buttons that did nothing.
@@ -53,6 +59,17 @@ impl Seen {
         let mut faults: Vec<String> = self.errors.iter().map(|error| format!("error: {error}")).collect();
         faults.extend(self.undrawn.iter().map(|figure| format!("figure {figure} is empty")));
         faults.extend(self.idle.iter().map(|button| format!("button {button} does nothing")));
+        faults.extend(
+            self.stretched
+                .iter()
+                .map(|button| format!("button {button} is stretched")),
+        );
+        faults.extend(self.beyond.iter().map(|axis| format!("axis {axis} is cut off")));
+        faults.extend(
+            self.nameless
+                .iter()
+                .map(|figure| format!("figure {figure} has no description")),
+        );
         if self.overflow > 0 || !self.wide.is_empty() {
             faults.push(format!("wider by {} px: {:?}", self.overflow, self.wide));
         }

@@ -18,6 +18,12 @@
     const drawn = (box) => box.querySelector("path.js-line, path.point, g.point path, .hm image, .parcoords canvas, .parcoords-line-layers") !== null;
     const wide = [...page.document.querySelectorAll("main *")]
       .filter((part) => !part.closest(".scroll, .track, pre, .plot, svg") && part.getBoundingClientRect().right > width + 1);
+    // Buttons that a grid has stretched, and names of axes beyond their figure.
+    const box = (part) => part.getBoundingClientRect();
+    const stretched = [...page.document.querySelectorAll(".tools button")].filter((button) => box(button).height > 60);
+    const beyond = [...page.document.querySelectorAll(".plot .axis-title")]
+      .filter((title) => box(title).top < box(title.closest(".plot")).top);
+    const nameless = figures.filter((figure) => !figure.getAttribute("aria-label").includes(" "));
     const seen = {
       width,
       errors: page.errors,
@@ -25,6 +31,9 @@
       undrawn: figures.filter((box) => !drawn(box)).map((box) => box.id),
       overflow: root.scrollWidth > root.clientWidth ? root.scrollWidth - root.clientWidth : 0,
       wide: wide.slice(0, 3).map((part) => `${part.tagName} ${part.className}`),
+      stretched: stretched.map((button) => button.getAttribute("aria-label")),
+      beyond: beyond.map((title) => title.textContent),
+      nameless: nameless.map((figure) => figure.id),
       buttons: 0,
       idle: [],
     };
