@@ -96,6 +96,18 @@ fn wrong_usage_is_refused_and_nothing_is_written() {
             &["--vary", "run.speed_kmh=200", "--where", "run.speed_kmh >"],
             &["--where", "must be an expression"],
         ),
+        (
+            &["--vary", "run.speed_kmh=200", "--set", "run.speed_kmh=250"],
+            &["run.speed_kmh: is set for all cases too, by run.speed_kmh=250"],
+        ),
+        (
+            &["--count", "-3"],
+            &["'-3' for '--count", "must be a whole number from 0"],
+        ),
+        (
+            &["--seed", "-1"],
+            &["'-1' for '--seed", "must be a whole number from 0"],
+        ),
         (&[], &["no key is varied"]),
     ] {
         let output = sweep(&out, more);

@@ -76,7 +76,10 @@ impl Cases<'_> {
                 Some(self.with_series(record, &finished.info, &finished.record))
             }
             Err(_) if stop.load(Ordering::Relaxed) => None,
-            Err(error) => Some(self.failed(case, Status::Refused, &chain(&error))),
+            Err(error) => {
+                let reason = self.plan.with_expressions(case, &chain(&error));
+                Some(self.failed(case, Status::Refused, &reason))
+            }
         }
     }
 

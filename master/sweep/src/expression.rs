@@ -1,6 +1,7 @@
 //! Expressions of keys: derived values and constraints.
 //!
-//! A key is written as for `--set`: `0.95 * line_length / (run.speed_kmh / 3.6)`. Comparisons give 1 or 0. Parsing and
+//! A key is written as for `--set`: `0.95 * line_length / (run.speed_kmh / 3.6)`. Comparisons give 1 or 0, and not a
+//! number where one side is no finite number; `&&` and `||` then go by the other side where that decides. Parsing and
 //! evaluation are those of the crate exmex, with operators of this module; a sign binds tighter than `^`.
 
 use exmex::{BinOp, Express, FlatEx, MakeOperators, MatchLiteral, Operator, literal_matcher_from_pattern, ops_factory};
@@ -24,17 +25,36 @@ fn truth(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
 
+/// A comparison of finite numbers; not a number where one is not finite.
+fn compared(a: f64, b: f64, holds: bool) -> f64 {
+    if a.is_finite() && b.is_finite() {
+        truth(holds)
+    } else {
+        f64::NAN
+    }
+}
+
+/// Two truths joined: `deciding` where one side has this truth, else not a number where one side is none.
+fn joined(a: f64, b: f64, deciding: bool) -> f64 {
+    let decides = |side: f64| !side.is_nan() && (side != 0.0) == deciding;
+    match decides(a) || decides(b) {
+        true => truth(deciding),
+        false if a.is_nan() || b.is_nan() => f64::NAN,
+        false => truth(!deciding),
+    }
+}
+
 ops_factory!(
     Operators,
     f64,
-    binary("||", 0, |a, b| truth(a != 0.0 || b != 0.0)),
-    binary("&&", 1, |a, b| truth(a != 0.0 && b != 0.0)),
-    binary("==", 2, |a, b| truth(a == b)),
-    binary("!=", 2, |a, b| truth(a != b)),
-    binary("<", 2, |a, b| truth(a < b)),
-    binary("<=", 2, |a, b| truth(a <= b)),
-    binary(">", 2, |a, b| truth(a > b)),
-    binary(">=", 2, |a, b| truth(a >= b)),
+    binary("||", 0, |a, b| joined(a, b, true)),
+    binary("&&", 1, |a, b| joined(a, b, false)),
+    binary("==", 2, |a, b| compared(a, b, a == b)),
+    binary("!=", 2, |a, b| compared(a, b, a != b)),
+    binary("<", 2, |a, b| compared(a, b, a < b)),
+    binary("<=", 2, |a, b| compared(a, b, a <= b)),
+    binary(">", 2, |a, b| compared(a, b, a > b)),
+    binary(">=", 2, |a, b| compared(a, b, a >= b)),
     Operator::make_bin_unary(
         "+",
         BinOp {
@@ -66,7 +86,7 @@ ops_factory!(
     binary("^", 7, f64::powf),
     binary("min", 8, f64::min),
     binary("max", 8, f64::max),
-    Operator::make_unary("not", |a: f64| truth(a == 0.0)),
+    Operator::make_unary("not", |a: f64| if a.is_nan() { a } else { truth(a == 0.0) }),
     Operator::make_unary("abs", f64::abs),
     Operator::make_unary("sqrt", f64::sqrt),
     Operator::make_unary("exp", f64::exp),
@@ -134,6 +154,59 @@ impl Expression {
         // The crate takes values in the order of spelling, which is that of the numbers in the new names.
         self.tree.eval(values).map_err(|error| error.to_string())
     }
+}
+
+/// `true` for one comparison, or several joined by `&&`, `||` and `not()`; the text is an expression.
+#[must_use]
+pub fn is_condition(text: &str) -> bool {
+    let text = text.trim();
+    if let Some(inner) = bracketed(text).or_else(|| text.strip_prefix("not").and_then(bracketed)) {
+        return is_condition(inner);
+    }
+    for word in ["||", "&&"] {
+        let parts = parts(text, |rest| rest.starts_with(word).then_some(word.len()));
+        if parts.len() > 1 {
+            return parts.into_iter().all(is_condition);
+        }
+    }
+    let comparison = |rest: &str| {
+        let words = ["==", "!=", "<=", ">=", "<", ">"];
+        words
+            .iter()
+            .find(|word| rest.starts_with(**word))
+            .map(|word| word.len())
+    };
+    parts(text, comparison).len() == 2
+}
+
+/// The text inside a pair of brackets around the whole of it.
+fn bracketed(text: &str) -> Option<&str> {
+    let text = text.trim();
+    let inner = text.strip_prefix('(')?.strip_suffix(')')?;
+    let mut depth = 0_i32;
+    let is_one_pair = inner.chars().all(|c| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        depth >= 0
+    });
+    is_one_pair.then_some(inner)
+}
+
+/// Parts of a text between words outside brackets; `word` gives the length of a word at the beginning of a text.
+fn parts(text: &str, word: impl Fn(&str) -> Option<usize>) -> Vec<&str> {
+    let (mut parts, mut start, mut at, mut depth) = (Vec::new(), 0, 0, 0_i32);
+    while let Some(c) = text[at..].chars().next() {
+        depth += i32::from("([".contains(c)) - i32::from(")]".contains(c));
+        match word(&text[at..]).filter(|_| depth == 0) {
+            Some(length) => {
+                parts.push(&text[start..at]);
+                at += length;
+                start = at;
+            }
+            None => at += c.len_utf8(),
+        }
+    }
+    parts.push(&text[start..]);
+    parts
 }
 
 /// The text with `v0000`, `v0001`, … in place of keys, and the keys.
@@ -231,6 +304,46 @@ mod tests {
             assert_eq!(value(text, &[]), expected, "{text}");
         }
         assert_eq!(value("cos(pi)", &[]), -1.0);
+    }
+
+    #[test]
+    fn a_comparison_without_finite_numbers_is_neither_true_nor_false() {
+        for text in [
+            "1/0 > 3",
+            "sqrt(-1) != 2",
+            "not(1/0 > 3)",
+            "1/0 > 3 && 1 < 2",
+            "1/0 > 3 || 1 > 2",
+        ] {
+            assert!(value(text, &[]).is_nan(), "{text}");
+        }
+        // The other side decides, so that it may keep a comparison from where it makes no sense.
+        assert_eq!(value("1 > 2 && sqrt(-1) > 0", &[]), 0.0);
+        assert_eq!(value("1/0 > 3 || 1 < 2", &[]), 1.0);
+    }
+
+    #[test]
+    fn a_condition_is_made_of_comparisons() {
+        for text in [
+            "a > 3",
+            "(a.b[1] + 1) * 2 <= max(b, 3)",
+            "not(a == 1 && b > 2)",
+            "((a < 1) || not (b != 2)) && c >= 1",
+            "(a > 1) + (b > 1) == 1",
+        ] {
+            assert!(is_condition(text) && Expression::parse(text).is_ok(), "{text}");
+        }
+        for text in [
+            "a + 1",
+            "1",
+            "not(a)",
+            "a > 1 && b",
+            "1 < a < 3",
+            "(a > 1) + 1",
+            "max(a > 1, b)",
+        ] {
+            assert!(!is_condition(text) && Expression::parse(text).is_ok(), "{text}");
+        }
     }
 
     #[test]

@@ -47,20 +47,32 @@ const SAMPLE_KEYS: [&str; 3] = ["method", "count", "seed"];
 /// Keys of a table of values; names of distributions and their numbers are others.
 const RANGE_KEYS: [&str; 3] = ["from", "to", "step"];
 
+/// Most changes of letters from what is typed to the key that is meant.
+const FARTHEST: usize = 2;
+
 /// Names of distributions.
 fn distributions() -> impl Iterator<Item = &'static str> {
     scene::Shape::ALL.iter().map(|shape| shape.name()).chain(["choice"])
 }
 
-/// `true` for the text of a sweep, as opposed to that of a scene.
+/// `true` for the text of a sweep, as opposed to that of a scene: one with a key of a sweep, or with a key that is none
+/// of a scene and nearest in spelling to one of a sweep, and an empty one.
 #[must_use]
 pub fn is_sweep(text: &str) -> bool {
-    let keys = |table: &DeTable| {
-        table
-            .keys()
-            .any(|key| ["vary", "derive", "sample"].contains(&&**key.get_ref()))
+    let top = |path: String| path.split('.').next().unwrap_or_default().to_owned();
+    let of_scene: Vec<String> = scene::described_keys().iter().map(|key| top(key.path())).collect();
+    let distance = |key: &str, known: &str| strsim::damerau_levenshtein(key, known);
+    let is_own = |key: &str| {
+        let to_own = KEYS.iter().map(|own| distance(key, own)).min().unwrap_or_default();
+        let to_scene = of_scene
+            .iter()
+            .map(|known| distance(key, known))
+            .min()
+            .unwrap_or_default();
+        to_own <= FARTHEST && to_own < to_scene
     };
-    DeTable::parse(text).is_ok_and(|table| keys(table.get_ref()))
+    let is_own_table = |table: &DeTable| table.is_empty() || table.keys().any(|key| is_own(key.get_ref()));
+    DeTable::parse(text).is_ok_and(|table| is_own_table(table.get_ref()))
 }
 
 /// A table of the file, its keys in the order of the file.
@@ -188,7 +200,7 @@ impl Reader<'_> {
 
     fn unknown(&self, place: &str, name: &str, known: &[&str]) -> SweepError {
         let near = |known: &&&str| strsim::damerau_levenshtein(known, name);
-        let nearest = known.iter().min_by_key(near).filter(|known| near(known) <= 2);
+        let nearest = known.iter().min_by_key(near).filter(|known| near(known) <= FARTHEST);
         let nearest = nearest.map_or_else(String::new, |near| format!(", did you mean {near}?"));
         SweepError::wish(
             place,
@@ -201,6 +213,11 @@ impl Reader<'_> {
 fn is_values(table: &DeTable<'_>) -> bool {
     let own = |key: &str| RANGE_KEYS.contains(&key) || distributions().any(|name| name == key);
     table.keys().all(|key| own(key.get_ref()))
+}
+
+/// `true` where `set`, `key=value`, sets this key.
+fn is_of(set: &str, key: &str) -> bool {
+    set.split_once('=').is_some_and(|(set, _)| set.trim() == key)
 }
 
 /// A method by its name.
@@ -242,7 +259,24 @@ impl Wishes {
                 _ => return Err(reader.unknown(&place, &name, &KEYS)),
             }
         }
+        wishes.check_set(&wishes.set)?;
         Ok(wishes)
+    }
+
+    /// Refuses keys that are varied or derived and set to one value for all cases, too; `set` has the form `key=value`.
+    ///
+    /// # Errors
+    /// The first such key.
+    pub fn check_set(&self, set: &[String]) -> Result<(), SweepError> {
+        let varied = self.varied.iter().map(|varied| (&varied.name, &varied.place, "varied"));
+        let derived = self.derived.iter().map(|(name, typed)| (name, &typed.place, "derived"));
+        for (name, place, how) in varied.chain(derived) {
+            if let Some(set) = set.iter().find(|set| is_of(set, name)) {
+                let what = format!("{name}: is set for all cases too, by {set}; must be {how} or set, not both");
+                return Err(SweepError::wish(place, what));
+            }
+        }
+        Ok(())
     }
 
     fn take_constraints(
@@ -303,7 +337,7 @@ impl Wishes {
         Ok(())
     }
 
-    /// Adds `key=values` of the command line; takes the place of the file's values of that key.
+    /// Adds `key=values` of the command line; takes the place of the file's value or values of that key.
     ///
     /// # Errors
     /// Values that are none.
@@ -314,6 +348,7 @@ impl Wishes {
         let (name, values) = text.split_once('=').ok_or_else(|| SweepError::wish(&place, form))?;
         let values = Values::typed(values).map_err(|what| SweepError::wish(&place, what))?;
         let name = name.trim().to_owned();
+        self.set.retain(|set| !is_of(set, &name));
         // The same key twice on the command line is refused by the plan; one of the file is replaced.
         let of_file = self
             .varied
@@ -327,7 +362,7 @@ impl Wishes {
         Ok(())
     }
 
-    /// Adds `key=expression` of the command line; takes the place of the file's expression of that key.
+    /// Adds `key=expression` of the command line; takes the place of the file's value or expression of that key.
     ///
     /// # Errors
     /// A text without `=`.
@@ -340,6 +375,7 @@ impl Wishes {
             text: expression.trim().to_owned(),
             place,
         };
+        self.set.retain(|set| !is_of(set, &name));
         let own = |typed: &Typed| typed.place.starts_with("--derive");
         match self
             .derived
@@ -501,6 +537,48 @@ count = 1_000
             let said = Wishes::read(&FILE.replace(from, to), "s.toml").unwrap_err().to_string();
             assert!(parts.iter().all(|part| said.contains(part)), "{said}");
         }
-        assert!(!is_sweep("[run]\nspeed_kmh = 3\n"));
+    }
+
+    #[test]
+    fn a_sweep_is_known_by_its_keys_even_where_one_is_mistyped() {
+        for text in [
+            "",
+            "# nothing\n",
+            "[vray]\na = [1]\n",
+            "scene = \"a.toml\"\n",
+            "[set]\na = 1\n",
+            "wher = \"a > 1\"",
+        ] {
+            assert!(is_sweep(text), "{text}");
+        }
+        for text in [
+            "[run]\nspeed_kmh = 3\n",
+            "[modle]\n",
+            "[ranges]\n",
+            "titel = \"a\"\n",
+            "[set\n",
+        ] {
+            assert!(!is_sweep(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_key_is_varied_or_set_and_not_both() {
+        let twice = FILE.replace(
+            "\"catenary.spans\" = 8",
+            "\"catenary.spans\" = 8\n\"run.speed_kmh\" = 250",
+        );
+        let said = Wishes::read(&twice, "s.toml").unwrap_err().to_string();
+        let expected = "run.speed_kmh: is set for all cases too, by run.speed_kmh=250; must be varied or set, not both";
+        assert!(
+            said.starts_with("s.toml:12: vary") && said.ends_with(expected),
+            "{said}"
+        );
+        // What the command line varies takes the place of what the file sets.
+        let mut wishes = Wishes::read(FILE, "s.toml").unwrap();
+        wishes.vary("catenary.spans=8,10").unwrap();
+        assert_eq!(wishes.set, ["coupling.macro_step={ tolerance = 1.0 }"]);
+        assert!(wishes.check_set(&["run.low_pass_hz=20".to_owned()]).is_ok());
+        assert!(wishes.check_set(&["run.duration=3".to_owned()]).is_err());
     }
 }

@@ -1,9 +1,11 @@
 //! Plan: keys with their values, derived values, constraints, and the cases that follow.
 
+use scene::What;
+
 use crate::base::{Base, Numbers};
 use crate::design::{Design, MOST_DIMENSIONS, MOST_SAMPLES, Method, UnitPoints};
 use crate::error::SweepError;
-use crate::expression::Expression;
+use crate::expression::{Expression, is_condition};
 use crate::table::FIXED_COLUMNS;
 use crate::values::{Value, Values, shown};
 
@@ -94,7 +96,8 @@ pub struct Plan {
     are_numbers: Vec<bool>,
     /// Names and expressions, in an order in which each needs only those before it.
     derived: Vec<(String, Bound)>,
-    constraints: Vec<Bound>,
+    /// Constraints with the places where they were typed.
+    constraints: Vec<(String, Bound)>,
     design: Design,
     points: u64,
 }
@@ -113,6 +116,30 @@ pub struct Case {
 /// `true` for a key of the scene, `false` for a plain name.
 fn is_key(name: &str) -> bool {
     name.contains(['.', '['])
+}
+
+/// Reason why a key at the top of a scene is not varied; nothing for a name that is no such key.
+fn of_top(name: &str) -> Option<String> {
+    let keys = scene::described_keys();
+    let top = keys.iter().find(|key| key.path() == name)?;
+    if top.range == "text" {
+        return Some("is text that changes no figure; must be a key that does, such as run.speed_kmh".to_owned());
+    }
+    let (entry, is) = match &*top.range {
+        "table" => (name.to_owned(), "a table"),
+        _ => (format!("{name}[1]"), "a list of tables"),
+    };
+    let begin = format!("{name}.");
+    let inside = |key: &&scene::KeyText| key.path().starts_with(&begin) && !key.unit.is_empty();
+    let such_as = keys
+        .iter()
+        .find(inside)
+        .or_else(|| keys.iter().find(|key| key.path().starts_with(&begin)));
+    let such_as = such_as.map(|key| format!(", such as {entry}.{}", &key.path()[begin.len()..]));
+    Some(format!(
+        "is {is} of the scene; must be a key in it{}",
+        such_as.unwrap_or_default()
+    ))
 }
 
 impl Plan {
@@ -165,9 +192,16 @@ impl Plan {
             }
             open = later;
         }
-        for typed in &constraints {
-            let bound = plan.bound(parsed(typed)?, typed, numbers)?;
-            plan.constraints.push(bound);
+        for typed in constraints {
+            let bound = plan.bound(parsed(&typed)?, &typed, numbers)?;
+            if !is_condition(&typed.text) {
+                let what = format!(
+                    "\"{}\": must be a comparison, such as run.speed_kmh < 300, or several joined by &&, || and not()",
+                    typed.text
+                );
+                return Err(SweepError::wish(&typed.place, what));
+            }
+            plan.constraints.push((typed.place, bound));
         }
         plan.check_plain_names(numbers)?;
         Ok(plan)
@@ -212,19 +246,21 @@ impl Plan {
 
     /// Refuses plain names that nothing uses: a key that was not written out.
     fn check_plain_names(&self, numbers: &Numbers) -> Result<(), SweepError> {
-        let bounds = self.derived.iter().map(|(_, bound)| bound).chain(&self.constraints);
+        let bounds = self.derived.iter().chain(&self.constraints).map(|(_, bound)| bound);
         let used: Vec<&String> = bounds.flat_map(|bound| &bound.expression.names).collect();
         let unused = self
             .varied
             .iter()
             .find(|varied| !is_key(&varied.name) && !used.contains(&&varied.name));
         let Some(varied) = unused else { return Ok(()) };
-        let what = format!(
-            "{}: is no key of the scene, and no expression uses it{}",
-            varied.name,
-            numbers.meant(&varied.name)
-        );
-        Err(SweepError::wish(&varied.place, what))
+        let name = &varied.name;
+        let what = of_top(name).unwrap_or_else(|| {
+            format!(
+                "is no key of the scene, and no expression uses it{}",
+                numbers.meant(name)
+            )
+        });
+        Err(SweepError::wish(&varied.place, format!("{name}: {what}")))
     }
 
     /// Names of varied and derived values, and whether all values of each are numbers.
@@ -263,7 +299,7 @@ impl Plan {
         let constraints = self
             .constraints
             .iter()
-            .map(|bound| format!("{}\n", bound.expression.text));
+            .map(|(_, bound)| format!("{}\n", bound.expression.text));
         let all: String = varied.chain(derived).chain(constraints).collect();
         format!("{all}{:?}\n", self.design)
     }
@@ -296,13 +332,29 @@ impl Plan {
         ))
     }
 
-    /// The case with these varied values; nothing where a constraint leaves it out.
-    fn case(&self, number: u64, values: Vec<Value>) -> Option<Case> {
+    /// Reason of a refused case with the expressions of derived values in place of options that nobody typed.
+    #[must_use]
+    pub fn with_expressions(&self, case: &Case, reason: &str) -> String {
+        let derived = self.derived.iter().zip(&case.derived);
+        derived.fold(reason.to_owned(), |reason, ((name, bound), value)| {
+            let option = format!("--set {name}={}: ", shown(*value));
+            reason.replace(&option, &format!("--derive {name}={}: ", bound.expression.text))
+        })
+    }
+
+    /// Derived values for these varied ones.
+    fn derived(&self, values: &[Value]) -> Vec<f64> {
         let mut derived = Vec::with_capacity(self.derived.len());
         for (_, bound) in &self.derived {
-            derived.push(bound.value(&values, &derived));
+            derived.push(bound.value(values, &derived));
         }
-        let holds = |bound: &Bound| {
+        derived
+    }
+
+    /// The case with these varied values; nothing where a constraint leaves it out.
+    fn case(&self, number: u64, values: Vec<Value>) -> Option<Case> {
+        let derived = self.derived(&values);
+        let holds = |(_, bound): &(String, Bound)| {
             let value = bound.value(&values, &derived);
             value != 0.0 && !value.is_nan()
         };
@@ -328,13 +380,40 @@ impl Plan {
         }
     }
 
+    /// Refuses constraints that have no finite numbers to compare for a combination.
+    fn check_constraints(&self) -> Result<(), SweepError> {
+        if self.constraints.is_empty() {
+            return Ok(());
+        }
+        let mut all = self.cases();
+        while let Some(values) = all.values() {
+            let derived = self.derived(&values);
+            let mut constraints = self.constraints.iter();
+            let undecided = constraints.find(|(_, bound)| bound.value(&values, &derived).is_nan());
+            if let Some((place, bound)) = undecided {
+                let varied = self.varied.iter().zip(&values);
+                let at: Vec<String> = varied
+                    .map(|(varied, value)| format!("{} = {}", varied.name, value.shown()))
+                    .collect();
+                let what = format!(
+                    "\"{}\": a side of a comparison is no finite number where {}; must be finite for all values",
+                    bound.expression.text,
+                    at.join(", ")
+                );
+                return Err(SweepError::wish(place, what));
+            }
+        }
+        Ok(())
+    }
+
     /// Tries every listed value and the bounds of every distribution and of every column of a table, one key at a time
-    /// beside the first case: each is refused as `--set` refuses it. Contradictions across keys belong to the rows of
-    /// their cases.
+    /// beside the first case: each is refused as `--set` refuses it. Contradictions across keys and derived values out
+    /// of range belong to the rows of their cases.
     ///
     /// # Errors
     /// The first refusal.
     pub fn check(&self, base: &Base) -> Result<(), SweepError> {
+        self.check_constraints()?;
         let Some(first) = self.cases().next() else {
             let what = format!(
                 "none of {} combinations satisfies the constraints: must leave at least one",
@@ -365,8 +444,17 @@ impl Plan {
         if self.undefined(&case).is_some() {
             return Ok(());
         }
-        base.read(&self.overrides(&case))?;
-        Ok(())
+        let Err(error) = base.read(&self.overrides(&case)) else {
+            return Ok(());
+        };
+        let is_of_case = |problem: &scene::Problem| {
+            let is_value = matches!(problem.what, What::Refused { .. } | What::WrongType { .. });
+            is_value && self.derived.iter().any(|(name, _)| problem.key == *name)
+        };
+        if error.problems.iter().all(is_of_case) {
+            return Ok(());
+        }
+        Err(error.into())
     }
 }
 
@@ -391,10 +479,8 @@ fn check_names(varied: &[Varied], derived: &[(String, Typed)]) -> Result<(), Swe
             ));
         }
         if FIXED_COLUMNS.contains(&name.as_str()) {
-            return Err(SweepError::wish(
-                *place,
-                format!("{name}: is a column of the table; must be another name"),
-            ));
+            let what = of_top(name).unwrap_or_else(|| "is a column of the table; must be another name".to_owned());
+            return Err(SweepError::wish(*place, format!("{name}: {what}")));
         }
     }
     Ok(())

@@ -214,7 +214,7 @@ fn wrong_wishes_are_refused_with_the_key_and_what_would_be_right() {
             &["pantograph[2].static_force=1"],
             &[],
             &[],
-            &["pantograph", "has 1 entries"],
+            &["pantograph", "has 1 entry, [1], and no [2]"],
         ),
         (
             &["speed_kmh=200,250"],
@@ -249,9 +249,9 @@ fn wrong_wishes_are_refused_with_the_key_and_what_would_be_right() {
         ),
         (
             &["run.speed_kmh=200"],
-            &["run.duration=-1"],
+            &["run.duraton=-1"],
             &[],
-            &["run.duration", "must be"],
+            &["run.duraton", "did you mean \"duration\"?"],
         ),
         (
             &["run.speed_kmh=200"],
@@ -264,6 +264,31 @@ fn wrong_wishes_are_refused_with_the_key_and_what_would_be_right() {
             &[],
             &["run.speed_kmh >"],
             &["--where", "must be an expression"],
+        ),
+        (
+            &["run.speed_kmh=200"],
+            &[],
+            &["run.speed_kmh + 1"],
+            &["--where: \"run.speed_kmh + 1\": must be a comparison"],
+        ),
+        (
+            &["run.speed_kmh=250,200"],
+            &[],
+            &["1 / (run.speed_kmh - 200) > 3"],
+            &["--where", "no finite number where run.speed_kmh = 200"],
+        ),
+        (&["title=a,b"], &[], &[], &["title: is text that changes no figure"]),
+        (
+            &["contact=1,2"],
+            &[],
+            &[],
+            &["contact: is a table of the scene; must be a key in it, such as contact."],
+        ),
+        (
+            &["pantograph=1,2"],
+            &[],
+            &[],
+            &["pantograph: is a list of tables of the scene; must be a key in it, such as pantograph[1]."],
         ),
         (
             &["coupling.algorithm=jacobi,auto"],
@@ -444,6 +469,19 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
     assert!(csv.contains("run.allow_supercritical") || csv.contains("wave"), "{csv}");
     let page = fs::read_to_string(folder.path().join("sweep.html")).unwrap();
     assert!(page.contains("Cases without figures") && page.contains("master run scene.toml --mode monolithic"));
+}
+
+#[test]
+fn a_derived_value_out_of_range_is_a_row_with_its_expression() {
+    let folder = tempfile::tempdir().unwrap();
+    let derive = ["catenary.contact_wire.tension=20000*(310-run.speed_kmh)-1200000"];
+    let wishes = wishes(&["run.speed_kmh=240,250"], &derive, &[]);
+    let summary = run(&sweep(&wishes, 1, false), folder.path());
+    assert_eq!((summary.complete, summary.stable, summary.refused), (true, 1, 1));
+    let csv = fs::read_to_string(folder.path().join(CSV)).unwrap();
+    let said = "--derive catenary.contact_wire.tension=20000*(310-run.speed_kmh)-1200000: \
+                catenary.contact_wire.tension = 0 N: must be";
+    assert!(csv.contains(said) && !csv.contains("--set"), "{csv}");
 }
 
 /// Droppers as they are, and some that creep.

@@ -64,7 +64,7 @@ pub(crate) fn study_help() -> String {
 /// End of the help of `sweep`.
 pub(crate) fn sweep_help() -> String {
     format!(
-        "Values: `--vary run.speed_kmh=200:320:10` takes every tenth number, both ends included; \
+        "Values: `--vary run.speed_kmh=200:320:10` takes every tenth number, the end too where steps meet it; \
          `--vary contact.stiffness=3e4,5e4` these. All combinations are cases, the last key changing first. With \
          `--sample latin`, `sobol` or `random`, `--count N` and `--seed S` every key is sampled: from a:b (uniform), \
          uniform(a,b), log_uniform(a,b), normal(mean,std), lognormal(median,sigma), choice(v1,v2), or a list.\n\n\

@@ -12,6 +12,12 @@ fn count(text: &str, most: usize) -> Result<usize, String> {
     }
 }
 
+/// A whole number from zero.
+pub(crate) fn whole(text: &str) -> Result<u64, String> {
+    let found = text.trim().parse();
+    found.map_err(|_| format!("must be a whole number from 0 to {}", u64::MAX))
+}
+
 /// Elements of a dropper interval.
 pub(crate) fn elements(text: &str) -> Result<usize, String> {
     count(text, Division::MOST)

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use super::run::ModeArgument;
 use super::{CommandError, found, has_extension, interrupted, print, print_json, scene_text};
 use crate::cli::Common;
+use crate::cli::values::whole;
 use ::sweep::design::Method;
 use ::sweep::{Base, Options, Sweep, SweepError, Wishes, file};
 use cosim::package;
@@ -35,10 +36,10 @@ pub struct SweepArguments {
     #[arg(long, value_name = "METHOD", value_parser = method)]
     sample: Option<Method>,
     /// Number of samples
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
     count: Option<u64>,
     /// Seed of the samples [default: 1]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole)]
     seed: Option<u64>,
     /// Keeps the filtered force of every case, as a list column of sweep.parquet
     #[arg(long)]
@@ -47,7 +48,7 @@ pub struct SweepArguments {
     #[arg(long, value_enum)]
     mode: Option<ModeArgument>,
     /// Cases made side by side [default: number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
 }
 
@@ -78,6 +79,7 @@ pub fn sweep(arguments: &SweepArguments, common: &Common) -> Result<(), CommandE
     arguments.vary.iter().try_for_each(|text| wishes.vary(text))?;
     arguments.derive.iter().try_for_each(|text| wishes.derive(text))?;
     arguments.constraints.iter().for_each(|text| wishes.constrain(text));
+    wishes.check_set(&common.overrides)?;
     wishes.method = arguments.sample.or(wishes.method);
     wishes.count = arguments.count.or(wishes.count);
     wishes.seed = arguments.seed.or(wishes.seed);
