@@ -472,6 +472,22 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
 }
 
 #[test]
+fn the_page_has_units_and_six_digits_and_the_table_all() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&sweep(&small(), 2, false), folder.path());
+    let [page, csv] = ["sweep.html", CSV].map(|file| fs::read_to_string(folder.path().join(file)).unwrap());
+    // A speed of 200 km/h in m/s, derived.
+    assert!(csv.contains(",55.55555555555"), "{csv}");
+    for part in [
+        "<td class=\"n\">55.5556</td>",
+        "run.speed_kmh<br>km/h</th>",
+        "aria-label=\"σ [N] over run.speed_kmh [km/h] and pantograph[1].static_force [N]\"",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+}
+
+#[test]
 fn a_derived_value_out_of_range_is_a_row_with_its_expression() {
     let folder = tempfile::tempdir().unwrap();
     let derive = ["catenary.contact_wire.tension=20000*(310-run.speed_kmh)-1200000"];
