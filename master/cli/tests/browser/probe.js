@@ -15,7 +15,7 @@
     if (figures.length > 0) await until(() => root.dataset.figures);
     await wait(50);
     // A curve, a mark or a cell of a map.
-    const drawn = (box) => box.querySelector("path.js-line, path.point, g.point path, .hm image, .parcoords canvas, .parcoords-line-layers") !== null;
+    const drawn = (box) => box.querySelector("path.js-line, path.point, g.point path, .hm image, .gl-canvas-context") !== null;
     const wide = [...page.document.querySelectorAll("main *")]
       .filter((part) => !part.closest(".scroll, .track, pre, .plot, svg") && part.getBoundingClientRect().right > width + 1);
     // Buttons that a grid has stretched, and names of axes beyond their figure.
