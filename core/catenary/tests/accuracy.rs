@@ -143,7 +143,7 @@ fn wishes_that_no_rule_answers_are_refused() {
     for (text, overrides, reason) in [
         (EN_300, &["run.accuracy_percent=0.1"][..], "must be from 0.3 to 10 %"),
         (EN_300, &["run.accuracy_percent=20"], "must be from 0.3 to 10 %"),
-        (EN_300, &["run.accuracy_percent=-1"], "must be positive"),
+        (EN_300, &["run.accuracy_percent=-1"], "must be from 0.3 to 10 %"),
         (
             EN_300,
             &["run.accuracy_percent=1", "catenary.damping.beta=0"],
