@@ -215,11 +215,11 @@ impl Scene {
                 "run.speed_kmh",
                 shown_number(crate::run::kmh(self.run.speed), "km/h"),
                 format!(
-                    "must be below {:.1} km/h: {:.2} m/s is not below the contact wire's wave speed √(tension / \
+                    "must be below {:.1} km/h: {} is not below the contact wire's wave speed √(tension / \
                      mass_per_length) \
                      = {wave_speed:.2} m/s; or set run.allow_supercritical = true",
                     crate::run::kmh(wave_speed),
-                    self.run.speed,
+                    shown_number((100.0 * self.run.speed).round() / 100.0, "m/s"),
                 ),
             );
         }
