@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import pantoline
 from conftest import TREE
 
@@ -24,23 +26,28 @@ def test_the_type_checker_finds_nothing() -> None:
     assert found.returncode == 0, found.stdout + found.stderr
 
 
-def test_the_lines_of_the_readme_run_as_printed(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder in which the lines of all documents run, one after the other."""
+    place = tmp_path_factory.mktemp("documents")
+    for folder in ("scenes", "examples"):
+        (place / folder).symlink_to(TREE / folder)
+    return place
+
+
+def test_the_lines_of_the_readme_run_as_printed(place: Path) -> None:
     lines = block(TREE / "README.md", "## In Python and Rust")
     assert len(lines.splitlines()) <= 10
-    for folder in ("scenes", "examples"):
-        (tmp_path / folder).symlink_to(TREE / folder)
-    ended = subprocess.run([sys.executable, "-c", lines], cwd=tmp_path, capture_output=True, text=True)
+    ended = subprocess.run([sys.executable, "-c", lines], cwd=place, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
     assert float(ended.stdout.split()[0]) > 0
 
 
-def test_the_lines_of_the_guide_run_as_printed(tmp_path: Path) -> None:
-    for folder in ("scenes", "examples"):
-        (tmp_path / folder).symlink_to(TREE / folder)
+def test_the_lines_of_the_guide_run_as_printed(place: Path) -> None:
     page = TREE / "docs" / "guide" / "python.md"
     marks = ("## Scenes", "## Runs", "## Steps", "## Sweeps", "## Sensitivity", "`pantoline.Samples` has")
     script = "\n".join(["import matplotlib; matplotlib.use('agg')", *(block(page, mark) for mark in marks)])
-    ended = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    ended = subprocess.run([sys.executable, "-c", script], cwd=place, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
 
 
