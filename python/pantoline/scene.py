@@ -90,10 +90,8 @@ class Scene:
         self._source = self._source.with_keys([(key, typed(value))])
 
     def __contains__(self, key: object) -> bool:
-        try:
-            return self[str(key)] is not None
-        except SceneError:
-            return False
+        """``True`` for a key that has a value, also where values contradict each other."""
+        return isinstance(key, str) and self._source.has(key)
 
     # Keys are found by paths, not counted.
     __iter__ = None

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use ::scene::{Mark, Place, Problem, Scene, What};
+use ::scene::{KeyText, Mark, Place, Problem, Scene, What, described_keys, key_steps, nearest};
 use pyo3::prelude::*;
 use simulation::check::Report;
 use simulation::paths::scene_name;
@@ -75,6 +75,25 @@ impl SceneSource {
         prepare(scene, &self.name, &self.folder, false)
     }
 
+    /// The resolved scene as a table; values that contradict each other leave it as it is read, with their refusal.
+    fn table(&self) -> PyResult<(toml::Value, PyResult<()>)> {
+        let (scene, resolved) = match self.resolve() {
+            Ok(scene) => (scene, Ok(())),
+            Err(refused) => (self.base().read(&[]).map_err(|error| of_scene(&error))?, Err(refused)),
+        };
+        let table = scene.to_toml().parse().unwrap_or_default();
+        Ok((toml::Value::Table(table), resolved))
+    }
+
+    /// Refusal of a text that is no path of a key.
+    fn no_path(&self, key: &str) -> PyErr {
+        let known: Vec<String> = described_keys().iter().map(KeyText::path).collect();
+        let meant = nearest(key, known.iter().map(String::as_str));
+        let meant = meant.map_or_else(String::new, |meant| format!(", did you mean \"{meant}\"?"));
+        let form = "must be a path such as run.speed_kmh or pantograph[1].static_force";
+        SceneError::new_err(format!("{}: \"{key}\": is no key{meant}; {form}", self.origin))
+    }
+
     /// Refusal of a key that the resolved scene does not have; nothing for a key that is known and left out.
     fn refusal(&self, key: &str, no_entry: bool) -> Option<PyErr> {
         let refused = self.base().read(&[format!("{key}=0")]).err()?;
@@ -139,6 +158,9 @@ impl SceneSource {
     fn with_keys(&self, keys: Vec<(String, String)>) -> PyResult<Self> {
         let mut overrides = self.overrides.clone();
         for (key, value) in keys {
+            if key_steps(&key).is_none() {
+                return Err(self.no_path(&key));
+            }
             let begin = format!("{}=", key.trim());
             overrides.retain(|set| !set.starts_with(&begin));
             overrides.push(format!("{begin}{value}"));
@@ -148,19 +170,32 @@ impl SceneSource {
 
     /// Value of a key in the resolved scene; `None` for a known key that is left out.
     fn value<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        let table = toml::Value::Table(self.resolve()?.to_toml().parse().unwrap_or_default());
-        let refused = match find(&table, key) {
-            Found::Value(value) => return to_python(py, value),
+        let (table, resolved) = self.table()?;
+        let found = find(&table, key);
+        // A key that there is not is refused before values that contradict each other.
+        let refused = match found {
+            Found::Value(_) => None,
+            Found::NoPath => Some(self.no_path(key)),
             Found::NoKey => self.refusal(key, false),
             Found::NoEntry => Some(
                 self.refusal(key, true)
                     .unwrap_or_else(|| SceneError::new_err(format!("{}: {key}: has no such entry", self.origin))),
             ),
         };
-        match refused {
-            Some(refused) => Err(refused),
-            None => Ok(py.None().into_bound(py)),
+        if let Some(refused) = refused {
+            return Err(refused);
         }
+        resolved?;
+        match found {
+            Found::Value(value) => to_python(py, value),
+            _ => Ok(py.None().into_bound(py)),
+        }
+    }
+
+    /// `true` for a key that has a value in the resolved scene; where values contradict each other, in the scene as
+    /// read.
+    fn has(&self, key: &str) -> PyResult<bool> {
+        Ok(matches!(find(&self.table()?.0, key), Found::Value(_)))
     }
 
     /// Numbers with the ranges that they may have: key, value, least, most, distribution, origin; `ranges` as behind

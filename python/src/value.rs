@@ -1,5 +1,6 @@
 //! Values of a scene as Python has them.
 
+use ::scene::{KeyStep, key_steps};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -37,6 +38,8 @@ pub fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyA
 pub enum Found<'a> {
     /// The value.
     Value(&'a Value),
+    /// A text that is no path of a key.
+    NoPath,
     /// No such key in a table.
     NoKey,
     /// No such entry in a list, or a path that goes on below a plain value.
@@ -45,18 +48,20 @@ pub enum Found<'a> {
 
 /// Looks for a key such as `catenary.span_length`, `pantograph[1].masses[2]` or `pantograph.0.static_force`.
 pub fn find<'a>(table: &'a Value, path: &str) -> Found<'a> {
+    let Some(steps) = key_steps(path) else {
+        return Found::NoPath;
+    };
     let mut value = table;
-    for step in path.split(['.', '[']).map(str::trim).filter(|step| !step.is_empty()) {
-        let next = match (value, step.strip_suffix(']')) {
-            (Value::Table(table), None) => match table.get(step.trim_matches(['"', '\''])) {
+    for step in steps {
+        let next = match (value, step) {
+            (Value::Table(table), KeyStep::Key(key)) => match table.get(&key) {
                 Some(next) => Some(next),
                 None => return Found::NoKey,
             },
-            (Value::Array(list), Some(number)) => {
-                let index = number.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-                index.and_then(|index| list.get(index))
+            (Value::Array(list), KeyStep::Entry(number)) => number.checked_sub(1).and_then(|index| list.get(index)),
+            (Value::Array(list), KeyStep::Key(digits)) => {
+                digits.parse::<usize>().ok().and_then(|index| list.get(index))
             }
-            (Value::Array(list), None) => step.parse::<usize>().ok().and_then(|index| list.get(index)),
             _ => None,
         };
         match next {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 import subprocess
 from pathlib import Path
 
@@ -62,6 +63,34 @@ def test_an_unknown_key_is_refused_with_the_nearest_one(scene: pantoline.Scene) 
         scene["run.sped_kmh"]
     with pytest.raises(pantoline.SceneError, match=r"has 1 entry, \[1\], and no \[2\]"):
         scene["pantograph[2].static_force"]
+
+
+@pytest.mark.parametrize("key", ["", ".", "x y", "pantograph[-1]", "run.speed_kmh=3", "run..speed_kmh"])
+def test_a_text_that_is_no_key_is_refused_by_its_name(scene: pantoline.Scene, key: str) -> None:
+    refusal = re.escape(f'"{key}": is no key')
+    with pytest.raises(pantoline.SceneError, match=refusal):
+        scene[key]
+    with pytest.raises(pantoline.SceneError, match=refusal):
+        scene[key] = 3
+    assert key not in scene and scene.overrides == SMALL
+
+
+def test_the_key_that_was_meant_is_named(scene: pantoline.Scene) -> None:
+    with pytest.raises(pantoline.SceneError, match=r'no key, did you mean "run.speed_kmh"\?'):
+        scene["run.speed_kmh=3"]
+
+
+def test_keys_of_a_scene_whose_values_contradict_each_other_are_known(scene: pantoline.Scene) -> None:
+    scene["run.duration"] = 0.2
+    assert "run.speed_kmh" in scene and "solver.rho_inf" in scene
+    assert "run.sped_kmh" not in scene and "wind" not in scene and "" not in scene and 5 not in scene
+    with pytest.raises(pantoline.SceneError, match="run.sped_kmh: unknown key"):
+        scene["run.sped_kmh"]
+    with pytest.raises(pantoline.SceneError, match=r"has 1 entries, \[1\] to \[1\], and no \[2\]"):
+        scene["pantograph[2].static_force"]
+    for key in ("run.speed_kmh", "wind"):
+        with pytest.raises(pantoline.SceneError, match="run.evaluate"):
+            scene[key]
 
 
 def test_values_that_contradict_each_other_are_refused_by_the_run(scene: pantoline.Scene) -> None:

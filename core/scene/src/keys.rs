@@ -19,7 +19,7 @@ mod word;
 pub(crate) use describe::{Default, Described, Section, Sentences, describe};
 pub(crate) use number::{Length, Number};
 pub(crate) use table::placeholder;
-pub(crate) use word::nearest;
+pub use word::nearest;
 
 /// A table of the scene.
 pub(crate) trait Entry: Sized {

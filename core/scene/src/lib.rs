@@ -98,6 +98,7 @@ pub use files::Files;
 pub use head::{HeadPitch, HeadStrip, StripSpring};
 pub use horns::Horns;
 pub use ice::Ice;
+pub use keys::nearest;
 pub use line_changes::{Change, DropperChange, MassOn, PointMass, Surface};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
 pub use measurement::Measurement;
@@ -115,6 +116,7 @@ pub use supplied::{CONTROLLER, Connection, Offset, ParameterValue, Supplied};
 pub use tension_length::{MAX_SPANS, TensionLength};
 pub use tensioning::Tensioning;
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
+pub use tree::{Step as KeyStep, steps as key_steps};
 pub use vehicle::{
     Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
     Wheels,

@@ -298,17 +298,18 @@ pub(crate) fn value(parsed: &DeValue, place: &dyn Fn(usize) -> At) -> Value {
     }
 }
 
-/// One step of a path.
+/// One step of the path of a key.
 #[derive(Debug, PartialEq)]
-pub(crate) enum Step {
+pub enum Step {
     /// A key; all digits mean an entry from 0 where the path has reached a list.
     Key(String),
     /// `[n]`, an entry of a list, from 1.
     Entry(usize),
 }
 
-/// Steps of a path such as `pantograph[1].parameters."static.force"`.
-pub(crate) fn steps(path: &str) -> Option<Vec<Step>> {
+/// Steps of a path such as `pantograph[1].parameters."static.force"`; nothing for a text that is no path.
+#[must_use]
+pub fn steps(path: &str) -> Option<Vec<Step>> {
     let mut rest = path.trim();
     let mut steps = Vec::new();
     loop {
@@ -319,7 +320,7 @@ pub(crate) fn steps(path: &str) -> Option<Vec<Step>> {
         } else {
             let end = rest.find(['.', '[']).unwrap_or(rest.len());
             let key = rest[..end].trim();
-            if key.is_empty() || key.contains(char::is_whitespace) {
+            if key.is_empty() || key.contains(|c: char| c.is_whitespace() || c == '=') {
                 return None;
             }
             steps.push(Step::Key(key.to_string()));

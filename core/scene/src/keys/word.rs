@@ -211,7 +211,8 @@ fn may_be_meant(typed: &str, candidate: &str) -> bool {
 }
 
 /// The candidate nearest in spelling, where one is near at all.
-pub(crate) fn nearest<'a>(typed: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+#[must_use]
+pub fn nearest<'a>(typed: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     candidates
         .filter(|candidate| may_be_meant(typed, candidate))
         .map(|candidate| (strsim::jaro_winkler(typed, candidate), candidate))
