@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ::scene::Scene;
+use ::simulation::identity::digest;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -26,14 +27,18 @@ impl Checkpoint {
     /// A state from its bytes.
     #[new]
     fn new(bytes: &[u8]) -> PyResult<Self> {
-        let state = postcard::from_bytes(bytes);
-        let state = state.map_err(|_| PyValueError::new_err("not the bytes of a kept state"))?;
-        Ok(Self { state })
+        let read: Option<SteppedState> = match postcard::take_from_bytes::<(String, &[u8])>(bytes) {
+            Ok(((hash, state), [])) if hash == digest(&[state]) => postcard::from_bytes(state).ok(),
+            _ => None,
+        };
+        let refused = || PyValueError::new_err("not the bytes of a kept state: must be those of to_bytes(), unchanged");
+        read.map(|state| Self { state }).ok_or_else(refused)
     }
 
-    /// Bytes that another process of the same version reads back to the same state.
+    /// Bytes that another process of the same version reads back to the same state, with their hash before them.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = postcard::to_allocvec(&self.state);
+        let written = postcard::to_allocvec(&self.state);
+        let bytes = written.and_then(|state| postcard::to_allocvec(&(digest(&[&state]), &*state)));
         let bytes = bytes.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
     }

@@ -77,6 +77,19 @@ def test_signals_are_read_and_set(scene: pantoline.Scene) -> None:
         simulation["contact[1].farce"]
 
 
+def test_bytes_of_a_state_that_were_changed_are_refused(tiny: pantoline.Scene) -> None:
+    whole = pantoline.Simulation(tiny).save().to_bytes()
+    assert pantoline.Checkpoint(whole).to_bytes() == whole
+    for place in range(0, len(whole), max(1, len(whole) // 97)):
+        changed = bytearray(whole)
+        changed[place] ^= 1
+        with pytest.raises(ValueError, match="not the bytes of a kept state"):
+            pantoline.Checkpoint(bytes(changed))
+    for cut in (whole[:-1], whole + b"0"):
+        with pytest.raises(ValueError, match="not the bytes of a kept state"):
+            pantoline.Checkpoint(cut)
+
+
 def test_wind_is_set_where_the_scene_has_air(scene: pantoline.Scene) -> None:
     def settable() -> list[str]:
         signals = pantoline.Simulation(scene).signals
