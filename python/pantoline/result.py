@@ -62,8 +62,8 @@ class Result:
         return _array(self._run.time())
 
     @cached_property
-    def _names(self) -> dict[str, tuple[int, str, str]]:
-        return {name: (index, unit, text) for index, (name, unit, text) in enumerate(self._run.names())}
+    def _names(self) -> dict[str, tuple[str, str]]:
+        return {name: (unit, text) for name, unit, text in self._run.names()}
 
     @property
     def signals(self) -> list[str]:
@@ -73,18 +73,22 @@ class Result:
     @property
     def units(self) -> dict[str, str]:
         """Unit of each series."""
-        return {name: unit for name, (_, unit, _) in self._names.items()}
+        return {name: unit for name, (unit, _) in self._names.items()}
 
     @property
     def descriptions(self) -> dict[str, str]:
         """One sentence on each series."""
-        return {name: text for name, (_, _, text) in self._names.items()}
+        return {name: text for name, (_, text) in self._names.items()}
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """A series by its name, in the unit of :attr:`units`."""
+        """A series by its name, in the unit of :attr:`units`.
+
+        Raises:
+            KeyError: No such series; the message has the nearest name.
+        """
         if name == "time":
             return self.time
-        return _array(self._run.series(self._names[name][0]))
+        return _array(self._run.series(name))
 
     def __contains__(self, name: object) -> bool:
         return name == "time" or name in self._names
@@ -101,7 +105,7 @@ class Result:
         import pyarrow
 
         columns = {"time": (self.time, "s", "Time")}
-        columns |= {name: (self[name], unit, text) for name, (_, unit, text) in self._names.items()}
+        columns |= {name: (self[name], unit, text) for name, (unit, text) in self._names.items()}
         fields = [
             pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit, "description": text})
             for name, (_, unit, text) in columns.items()

@@ -87,6 +87,7 @@ class Simulation:
 
         Raises:
             KeyError: No such signal.
+            TypeError: A value that is no number.
             ValueError: A signal that can only be read.
         """
         self._stepper.set(name, value)

@@ -3,14 +3,14 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 use simulation::environment::{self, Demand, Environments, Situation};
 use simulation::{SetupError, StaticLines, prepare_on};
 use system::one_system::stepped::SteppedSystem;
 
-use crate::error::{of_setup, of_step};
+use crate::error::{of_name, of_setup, of_step};
 use crate::interruption::interruptible;
 use crate::scene::SceneSource;
 use crate::simulation::Stepper;
@@ -172,10 +172,11 @@ impl EnvironmentBatch {
     /// Values of a signal in all environments.
     fn get(&self, py: Python<'_>, name: &str) -> PyResult<Vec<f64>> {
         let value = |system: &SteppedSystem| {
-            let place = system.signals().iter().position(|signal| signal.name == name);
-            place.map(|place| system.value(place))
+            let signals = system.signals();
+            let place = signals.iter().position(|signal| signal.name == name);
+            let place = place.ok_or_else(|| of_name(name, signals.iter().map(|signal| &*signal.name)))?;
+            Ok(system.value(place))
         };
-        let values: Option<Vec<f64>> = py.detach(|| self.environments().systems().map(value).collect());
-        values.ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+        py.detach(|| self.environments().systems().map(value).collect())
     }
 }

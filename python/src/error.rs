@@ -1,7 +1,7 @@
 //! Exceptions: messages are those of the program.
 
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use simulation::SetupError;
 use system::one_system::stepped::SteppedError;
@@ -59,6 +59,13 @@ pub fn of_step(error: &SteppedError) -> PyErr {
         SteppedError::OtherSystem => PyValueError::new_err(error.to_string()),
         error => RunError::new_err(cosim::chain(error)),
     }
+}
+
+/// A name that is none of the known ones.
+pub fn of_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> PyErr {
+    let meant = scene::nearest(name, known);
+    let meant = meant.map_or_else(String::new, |meant| format!(", did you mean \"{meant}\"?"));
+    PyKeyError::new_err(format!("{name}: unknown name{meant}"))
 }
 
 /// Files that cannot be written.

@@ -11,7 +11,7 @@ use results::{OutputDirectory, Record, RunBundle, RunInfo, Summary};
 use simulation::Finished;
 use simulation::paths::relative_to;
 
-use crate::error::{RunError, of_results};
+use crate::error::{RunError, of_name, of_results};
 use crate::value::bytes;
 
 /// Record and figures of a run; never changed.
@@ -86,22 +86,25 @@ impl RunResult {
             .collect()
     }
 
-    /// A series by its place among the names.
-    fn series<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyByteArray>> {
-        let series = self.record.series();
-        let series = series
-            .get(index)
-            .ok_or_else(|| PyIndexError::new_err(index.to_string()))?;
+    /// A series by its name.
+    fn series<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyByteArray>> {
+        let all = self.record.series();
+        let series = all.iter().find(|series| series.name == name);
+        let series = series.ok_or_else(|| of_name(name, all.iter().map(|series| &*series.name)))?;
         Ok(PyByteArray::new(py, &bytes(series.values)))
     }
 
     /// Filtered contact force of a pantograph (from 1) over the whole record, N.
-    fn filtered<'py>(&self, py: Python<'py>, pantograph: usize) -> PyResult<Bound<'py, PyByteArray>> {
-        let index = pantograph.wrapping_sub(1);
-        let strip = self.record.pantographs.get(index).ok_or_else(|| {
-            let count = self.record.pantographs.len();
-            PyIndexError::new_err(format!("pantograph {pantograph}: must be a number from 1 to {count}"))
-        })?;
+    fn filtered<'py>(&self, py: Python<'py>, pantograph: i64) -> PyResult<Bound<'py, PyByteArray>> {
+        let index = usize::try_from(pantograph)
+            .ok()
+            .and_then(|number| number.checked_sub(1));
+        let strip = index
+            .and_then(|index| self.record.pantographs.get(index))
+            .ok_or_else(|| {
+                let count = self.record.pantographs.len();
+                PyIndexError::new_err(format!("pantograph {pantograph}: must be a number from 1 to {count}"))
+            })?;
         let force = self.info.evaluation.filtered(&strip.force);
         let force = force.map_err(|error| RunError::new_err(error.to_string()))?;
         Ok(PyByteArray::new(py, &bytes(&force)))

@@ -4,12 +4,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ::scene::Scene;
 use ::simulation::identity::digest;
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use system::one_system::stepped::{SteppedError, SteppedState, SteppedSystem};
 
-use crate::error::{of_setup, of_step};
+use crate::error::{of_name, of_setup, of_step};
 use crate::interruption::interruptible;
 use crate::scene::SceneSource;
 
@@ -70,8 +70,11 @@ impl Stepper {
 
     /// Place of a signal among all.
     fn place(&self, py: Python<'_>, name: &str) -> PyResult<usize> {
-        let place = |system: &mut SteppedSystem| system.signals().iter().position(|signal| signal.name == name);
-        self.with(py, place).ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+        self.with(py, |system| {
+            let signals = system.signals();
+            let place = signals.iter().position(|signal| signal.name == name);
+            place.ok_or_else(|| of_name(name, signals.iter().map(|signal| &*signal.name)))
+        })
     }
 }
 
@@ -162,18 +165,27 @@ impl Stepper {
     }
 
     /// Sets a signal.
-    fn set(&self, py: Python<'_>, name: &str, value: f64) -> PyResult<()> {
+    fn set(&self, py: Python<'_>, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let place = self.place(py, name)?;
-        let settable = self.with(py, |system| system.signals()[place].settable);
+        let (settable, unit) = self.with(py, |system| {
+            let signal = &system.signals()[place];
+            (signal.settable, signal.unit)
+        });
         if !settable {
             return Err(PyValueError::new_err(format!("{name}: cannot be set, only read")));
         }
-        if !value.is_finite() {
+        let Ok(number) = value.extract::<f64>() else {
+            let shown = value.repr()?;
+            return Err(PyTypeError::new_err(format!(
+                "{name} = {shown}: must be a number, in {unit}"
+            )));
+        };
+        if !number.is_finite() {
             return Err(PyValueError::new_err(format!(
-                "{name} = {value}: must be a finite number"
+                "{name} = {number}: must be a finite number"
             )));
         }
-        self.with(py, |system| system.set(place, value));
+        self.with(py, |system| system.set(place, number));
         Ok(())
     }
 }

@@ -7,6 +7,7 @@ import os
 import pickle
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,8 +74,15 @@ def test_signals_are_read_and_set(scene: pantoline.Scene) -> None:
         simulation["contact[1].force"] = 1.0
     with pytest.raises(ValueError, match="must be a finite number"):
         simulation["pantograph[1].uplift_force"] = float("nan")
-    with pytest.raises(KeyError):
-        simulation["contact[1].farce"]
+    value: Any
+    for value in (None, "1", [1.0]):
+        with pytest.raises(TypeError, match=r"pantograph\[1\].uplift_force = .*: must be a number, in N"):
+            simulation["pantograph[1].uplift_force"] = value
+    nearest = r'contact\[1\].forc: unknown name, did you mean "contact\[1\].force"\?'
+    with pytest.raises(KeyError, match=nearest):
+        simulation["contact[1].forc"]
+    with pytest.raises(KeyError, match=nearest):
+        simulation["contact[1].forc"] = 1.0
 
 
 def test_bytes_of_a_state_that_were_changed_are_refused(tiny: pantoline.Scene) -> None:
