@@ -71,7 +71,7 @@ def on_cluster(
     )
     cases = sweep.open(folder)
     threads = max(1, sum(client.nthreads().values()))
-    size = batch or max(1, min(_MOST, len(cases) // (4 * threads)))
+    size = max(1, min(_MOST, len(cases) // (4 * threads))) if batch is None else batch
     batches = _batches(cases, size)
     parts = folder / "parts"
     parts.mkdir(exist_ok=True)

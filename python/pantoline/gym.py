@@ -9,6 +9,10 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from ._arguments import imported, whole
+
+imported("gymnasium", "gym", "pantoline.gym")  # its refusal names the extra
+
 import gymnasium
 import numpy as np
 from gymnasium.utils import seeding
@@ -18,7 +22,7 @@ from numpy.typing import NDArray
 
 from ._pantoline import EnvironmentBatch, ForceAim
 from ._typed import typed
-from .scene import Scene
+from .scene import Scene, checked
 from .simulation import Simulation
 
 #: Keys of a scene in each case: between two numbers, or by a function of the number of the case and a generator.
@@ -141,10 +145,8 @@ class ContactForceVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], 
             ValueError: A case that is refused, with its number and its keys.
         """
         super().__init__()
-        if num_envs < 1:
-            raise ValueError(f"num_envs = {num_envs}: must be a whole number from 1 on")
-        if threads is not None and threads < 1:
-            raise ValueError(f"threads = {threads}: must be a whole number from 1 on")
+        num_envs = whole("num_envs", num_envs, 1)
+        threads = None if threads is None else whole("threads", threads, 1)
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
@@ -153,9 +155,9 @@ class ContactForceVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], 
         self.action_space = batch_space(self.single_action_space, num_envs)
         draws = np.random.SeedSequence(seed).spawn(num_envs)
         self._keys = [_case(vary, case, np.random.default_rng(draw)) for case, draw in enumerate(draws)]
-        cases = [[f"{key}={typed(value)}" for key, value in keys.items()] for keys in self._keys]
+        cases = [[f"{key}={typed(key, value)}" for key, value in keys.items()] for keys in self._keys]
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-        self._batch = EnvironmentBatch(scene._source, cases, pantograph, effort, threads or cores)
+        self._batch = EnvironmentBatch(checked(scene)._source, cases, pantograph, effort, threads or cores)
         self._lead = lead
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._ended = np.zeros(num_envs, dtype=np.bool_)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._arguments import imported, made_folder
 from ._pantoline import RunResult
 from .table import Table
 
@@ -114,14 +115,12 @@ class Result:
 
     def to_pandas(self) -> pandas.DataFrame:
         """All series in pandas, which must be installed, with the time as index."""
-        import pandas
-
+        pandas = imported("pandas", "pandas", "to_pandas()")
         return pandas.DataFrame({name: self[name] for name in self}, index=pandas.Index(self.time, name="time"))
 
     def to_polars(self) -> polars.DataFrame:
         """All series in polars, which must be installed, with a column ``time``."""
-        import polars
-
+        polars = imported("polars", "polars", "to_polars()")
         return polars.DataFrame({"time": self.time} | {name: self[name] for name in self})
 
     def scene_toml(self) -> str:
@@ -130,7 +129,7 @@ class Result:
 
     def save(self, folder: str | os.PathLike[str], *, report: bool = True, animation: bool = True) -> None:
         """Writes the files that ``master run`` writes; pictures are there where the run was given ``out``."""
-        self._run.save(folder, report, animation)
+        self._run.save(made_folder("folder", folder), report, animation)
 
     def report(self) -> str:
         """The page ``report.html``, complete in itself."""
@@ -141,16 +140,19 @@ class Result:
 
         Returns:
             The axes drawn on, ``ax`` where given.
-        """
-        if ax is None:
-            from matplotlib import pyplot
 
-            _, ax = pyplot.subplots(layout="constrained")
+        Raises:
+            IndexError: No such pantograph.
+            ImportError: matplotlib is not installed.
+        """
+        filtered = self.filtered(pantograph)
+        if ax is None:
+            _, ax = imported("matplotlib.pyplot", "plot", "plot()").subplots(layout="constrained")
         prefix = f"head[{pantograph}]" if f"head[{pantograph}].force" in self else f"contact[{pantograph}]"
         evaluation = self.summary["evaluation"]
         ax.plot(self[f"{prefix}.x"], self[f"{prefix}.force"], linewidth=0.5, alpha=0.5, label="as computed")
         label = f"filtered, {evaluation['low_pass_hz']:g} Hz"
-        ax.plot(self[f"{prefix}.x"], self.filtered(pantograph), linewidth=1.2, label=label)
+        ax.plot(self[f"{prefix}.x"], filtered, linewidth=1.2, label=label)
         begin, end = (np.interp(t, self.time, self[f"{prefix}.x"]) for t in evaluation["time_s"][pantograph - 1])
         ax.axvspan(begin, end, alpha=0.08, label="evaluated")
         ax.set(xlabel="position [m]", ylabel="contact force [N]", title=self.summary["title"])

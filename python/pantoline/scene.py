@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ._pantoline import RunError, SceneError, SceneSource
+from ._arguments import made_folder, mapping, texts
 from ._typed import typed
 from .result import Result
 from .table import Table
@@ -22,6 +23,9 @@ class Scene:
     """
 
     def __init__(self, source: SceneSource) -> None:
+        if not isinstance(source, SceneSource):
+            ways = "Scene.load(path) reads a file, Scene.loads(text) a text"
+            raise TypeError(f"source = {source!r}: must be the source of a scene; {ways}")
         self._source = source
 
     @classmethod
@@ -30,7 +34,8 @@ class Scene:
 
         Args:
             path: The file, in TOML.
-            overrides: Keys to be set: ``"key=value"`` as behind ``--set``, or a mapping of keys to values.
+            overrides: Keys to be set: ``"key=value"`` as behind ``--set``, one or several, or a mapping of keys to
+                values.
 
         Raises:
             SceneError: Every problem found, with file, line, key, value, unit and remedy.
@@ -57,12 +62,11 @@ class Scene:
     def _made(
         cls, text: str, file: str | os.PathLike[str], overrides: Iterable[str] | Mapping[str, Any]
     ) -> Scene:
-        keys = overrides if isinstance(overrides, Mapping) else {}
-        texts = [] if isinstance(overrides, Mapping) else list(overrides)
-        scene = cls(SceneSource(text, file, texts))
-        if keys:
-            scene.update(keys)
-        return scene
+        if isinstance(overrides, Mapping):
+            scene = cls(SceneSource(text, file, []))
+            scene.update(overrides)
+            return scene
+        return cls(SceneSource(text, file, texts("overrides", overrides)))
 
     @property
     def name(self) -> str:
@@ -87,7 +91,7 @@ class Scene:
         Values that contradict each other are refused by :meth:`run`, :meth:`check` and reading, so that several keys
         can be set in turn.
         """
-        self._source = self._source.with_keys([(key, typed(value))])
+        self._source = self._source.with_keys([(key, typed(key, value))])
 
     def __contains__(self, key: object) -> bool:
         """``True`` for a key that has a value, also where values contradict each other."""
@@ -98,7 +102,8 @@ class Scene:
 
     def update(self, keys: Mapping[str, Any]) -> None:
         """Sets several keys at once."""
-        self._source = self._source.with_keys([(key, typed(value)) for key, value in keys.items()])
+        keys = mapping("keys", keys, '{"run.speed_kmh": 280}')
+        self._source = self._source.with_keys([(key, typed(key, value)) for key, value in keys.items()])
 
     def copy(self) -> Scene:
         """A scene that can be changed apart from this one."""
@@ -150,7 +155,7 @@ class Scene:
             RunError: A run that has not reached its end; the attribute ``result`` has what there is.
         """
         if out is not None:  # a folder that cannot be made is refused before the run
-            Path(out).mkdir(parents=True, exist_ok=True)
+            made_folder("out", out)
         result = Result(self._source.run(mode, animation and out is not None))
         if out is not None:
             result.save(out, report=report, animation=animation)
@@ -163,6 +168,13 @@ class Scene:
     def __repr__(self) -> str:
         keys = "".join(f", {text}" for text in self.overrides)
         return f"<Scene {self._source.origin}{keys}>"
+
+
+def checked(scene: Any) -> Scene:
+    """A scene that was given, refused where it is none."""
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {scene!r}: must be a Scene, such as Scene.load(path) returns")
+    return scene
 
 
 def _again(text: str, origin: str, overrides: list[str]) -> Scene:

@@ -9,7 +9,6 @@ import operator
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from importlib import import_module
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,9 +16,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._arguments import imported, mapping, whole
 from ._pantoline import RunError, SweepError, figure_names, quantiles, shares
 from ._typed import typed
-from .scene import Scene
+from .scene import Scene, checked
 from .sweeps import Workers, carried_out
 from .table import Table
 
@@ -134,9 +134,7 @@ class Sensitivity:
         rows = list(self[figure, pantograph])[:_DRAWN][::-1]
         unit = next(row["unit"] for row in self.table if (row["figure"], row["pantograph"]) == (figure, pantograph))
         if ax is None:
-            from matplotlib import pyplot
-
-            _, ax = pyplot.subplots(layout="constrained")
+            _, ax = imported("matplotlib.pyplot", "plot", "plot()").subplots(layout="constrained")
         keys = [row["key"] for row in rows]
         place = np.arange(len(rows))
 
@@ -254,14 +252,12 @@ class Samples:
             if not (np.isfinite([low, high]).all() and low < high):
                 raise SweepError(f"{key}: must have a range from a least to a larger value, not {low} to {high}")
         self.n = _SAMPLES[method] if n is None else operator.index(n)
-        self.seed = _SEED if seed is None else operator.index(seed)
+        self.seed = _SEED if seed is None else whole("seed", seed, 0, SweepError)
         if method == "morris" and self.n < 2:
             raise SweepError(f"n = {self.n}: must be at least 2 trajectories, so that effects have a deviation")
         if method == "sobol" and (self.n < 2 or self.n & (self.n - 1)):
             near = 1 << max(1, self.n.bit_length()) if self.n > 0 else _SAMPLES[method]
             raise SweepError(f"n = {self.n}: must be a power of two from 2 on, such as {near}, for an even sequence")
-        if self.seed < 0:
-            raise SweepError(f"seed = {self.seed}: must be a whole number from 0")
         if second_order and method != "sobol":
             raise SweepError(f"second_order: must be left out with {method}; sobol has indices of pairs")
         self.method: Literal["morris", "sobol"] = method
@@ -422,16 +418,12 @@ class Samples:
 
 
 def _salib(part: str, method: str) -> Any:
-    try:
-        return import_module(f"SALib.{part}.{method}")
-    except ImportError as error:
-        text = f'method = "{method}": needs SALib, which the extra pantoline[sensitivity] installs'
-        raise ImportError(text) from error
+    return imported(f"SALib.{part}.{method}", "sensitivity", f'method = "{method}"')
 
 
-def _typed(known: Range) -> str:
-    """A range as it is typed behind ``--range KEY=``."""
-    return known if isinstance(known, str) else ":".join(typed(end) for end in known)
+def _typed(key: str, known: Range) -> str:
+    """A range as it is typed behind ``--range``."""
+    return f"{key}={known if isinstance(known, str) else ':'.join(typed(key, end) for end in known)}"
 
 
 def sensitivity(
@@ -492,10 +484,11 @@ def sensitivity(
     for name in wanted:
         if name not in figure_names():
             raise SweepError(f'figures: "{name}": must be one of {", ".join(figure_names())}')
-    texts = [f"{key}={_typed(known)}" for key, known in (ranges or {}).items()]
+    ranges = mapping("ranges", {} if ranges is None else ranges, '{"contact.stiffness": (4e4, 6e4)}')
+    texts = [_typed(key, known) for key, known in ranges.items()]
     chosen = None if keys is None else list(keys)
     names = ("key", "value", "low", "high", "distribution", "mark")
-    parameters = Table([dict(zip(names, row)) for row in scene._source.parameters(texts, chosen)])
+    parameters = Table([dict(zip(names, row)) for row in checked(scene)._source.parameters(texts, chosen)])
     workers = Workers(mode, jobs, progress, client, batch, retries)
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place if out is None else out)

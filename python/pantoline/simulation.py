@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NoReturn
 
+from ._arguments import whole
 from ._pantoline import Checkpoint, Stepper
-from .scene import Scene
+from .scene import Scene, checked
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._scene = scene.copy()
+        self._scene = checked(scene).copy()
         self._stepper = Stepper(scene._source)
         self._signals = {signal[0]: Signal(*signal) for signal in self._stepper.signals()}
 
@@ -59,7 +61,7 @@ class Simulation:
         Raises:
             RunError: A step that fails, or a step beyond the end of the run.
         """
-        self._stepper.step(n)
+        self._stepper.step(whole("n", n, 0))
         return self.time
 
     def reset(self) -> None:
@@ -94,6 +96,10 @@ class Simulation:
 
     __getitem__ = get
     __setitem__ = set
+
+    def __reduce__(self) -> NoReturn:
+        way = "keep its state with save(), which can be pickled, and restore() it in another Simulation of the scene"
+        raise TypeError(f"a Simulation cannot be copied or pickled: {way}")
 
     def __repr__(self) -> str:
         return f"<Simulation {self._scene.name}, t = {self.time:g} s, {self.steps_left} steps left>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -9,14 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._pantoline import CaseSweep, RunError
+from ._arguments import imported, made_folder, mapping, texts, whole
+from ._pantoline import CaseSweep, RunError, SweepError
 from ._typed import listed
-from .scene import Scene
+from .scene import Scene, checked
+from .table import Table
 
 if TYPE_CHECKING:
     import pandas
     import polars
     import pyarrow
+
+#: Rows of a table that are shown.
+_SHOWN = 20
 
 
 class SweepResult:
@@ -41,14 +47,12 @@ class SweepResult:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table in pandas, which must be installed."""
-        import pandas
-
+        pandas = imported("pandas", "pandas", "to_pandas()")
         return pandas.DataFrame(self.to_arrow().to_pandas())
 
     def to_polars(self) -> polars.DataFrame:
         """The table in polars, which must be installed."""
-        import polars
-
+        polars = imported("polars", "polars", "to_polars()")
         return polars.read_parquet(self.path / "sweep.parquet")
 
     def __len__(self) -> int:
@@ -58,7 +62,13 @@ class SweepResult:
         return f"<SweepResult {self.path}, {self.summary['finished']} of {self.summary['cases']} cases>"
 
     def _repr_html_(self) -> str:
-        return str(self.to_pandas().to_html(max_rows=20))
+        table = self.to_arrow()
+        # Series of forces are left out.
+        columns = [field.name for field in table.schema if not field.type.num_fields]
+        rows = table.select(columns).slice(0, _SHOWN).to_pylist()
+        left = len(table) - len(rows)
+        more = f"<p>{left} more rows in {html.escape(str(self.path))}</p>" if left else ""
+        return Table(rows)._repr_html_() + more
 
 
 def sweep(
@@ -85,7 +95,8 @@ def sweep(
 
     Args:
         scene: The scene that all cases have in common.
-        vary: Values by key: a list, or a text of the command line, such as ``"200:320:10"`` or ``"normal(110,5)"``.
+        vary: Values by key: a list; a text of the command line, such as ``"200:320:10"`` or ``"normal(110,5)"``; or a
+            dict of the file of a sweep, such as ``{"from": 200, "to": 320, "step": 10}`` or ``{"normal": [110, 5]}``.
         out: Folder for ``sweep.csv``, ``sweep.parquet``, ``sweep.html`` and the journal.
         derive: Expressions by key, such as ``{"run.duration": "400 / (run.speed_kmh / 3.6)"}``.
         where: Expressions that must hold for a case.
@@ -104,15 +115,20 @@ def sweep(
     Raises:
         SceneError: A scene, or a value of a key, that is refused.
         SweepError: A wish that is refused.
+        TypeError: An argument of another type.
+        ImportError: distributed is not installed, with ``client``.
         RunError: A sweep that has not reached its end; what is finished is kept.
     """
+    checked(scene)
+    vary = mapping("vary", vary, '{"run.speed_kmh": [260, 280, 300]}')
+    derive = mapping("derive", {} if derive is None else derive, '{"run.duration": "400 / (run.speed_kmh / 3.6)"}')
     wishes: dict[str, Any] = {
-        "vary": [f"{key}={listed(values)}" for key, values in vary.items()],
-        "derive": [f"{key}={expression}" for key, expression in (derive or {}).items()],
-        "where_": [where] if isinstance(where, str) else list(where),
-        "sample": sample,
-        "count": n,
-        "seed": seed,
+        "vary": [f"{key}={listed(key, values)}" for key, values in vary.items()],
+        "derive": [f"{key}={expression}" for key, expression in derive.items()],
+        "where_": texts("where", where),
+        "sample": None if sample is None else str(sample),
+        "count": None if n is None else whole("n", n, 1, SweepError),
+        "seed": None if seed is None else whole("seed", seed, 0, SweepError),
         "series": series,
     }
     _, result = carried_out(scene, wishes, Path(out), Workers(mode, jobs, progress, client, batch, retries))
@@ -130,6 +146,16 @@ class Workers:
     batch: int | None
     retries: int
 
+    def __post_init__(self) -> None:
+        for name, value in (("jobs", self.jobs), ("batch", self.batch)):
+            if value is not None:
+                whole(name, value, 1, SweepError)
+        whole("retries", self.retries, 0, SweepError)
+        if self.client is not None:
+            known = imported("distributed", "dask", "client").Client
+            if not isinstance(self.client, known):
+                raise TypeError(f"client = {self.client!r}: must be a dask.distributed.Client")
+
 
 def carried_out(
     scene: Scene, wishes: Mapping[str, Any], folder: Path, workers: Workers
@@ -141,6 +167,7 @@ def carried_out(
         jobs = cores if client is None else 1
     wishes = {**wishes, "mode": workers.mode, "jobs": jobs}
     cases = CaseSweep(scene._source, **wishes, files={})
+    made_folder("out", folder)
     if client is None:
         summary = json.loads(cases.run(folder, workers.progress))
     else:

@@ -6,6 +6,8 @@ import html
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ._arguments import imported
+
 if TYPE_CHECKING:
     import pandas
     import polars
@@ -37,14 +39,12 @@ class Table(Sequence[dict[str, Any]]):
 
     def to_pandas(self) -> pandas.DataFrame:
         """The table in pandas, which must be installed."""
-        import pandas
-
+        pandas = imported("pandas", "pandas", "to_pandas()")
         return pandas.DataFrame({name: self.column(name) for name in self.columns})
 
     def to_polars(self) -> polars.DataFrame:
         """The table in polars, which must be installed."""
-        import polars
-
+        polars = imported("polars", "polars", "to_polars()")
         return polars.DataFrame({name: self.column(name) for name in self.columns})
 
     def __getitem__(self, index: Any) -> Any:

@@ -75,14 +75,17 @@ impl CaseSweep {
             .try_for_each(|text| wishes.derive(text))
             .map_err(refused)?;
         where_.iter().for_each(|text| wishes.constrain(text));
-        let method = sample.map(file::method).transpose();
-        wishes.method = method.map_err(|what| SweepError::new_err(format!("sample: {what}")))?;
+        let method = sample.map(|word| {
+            let refused = |what| SweepError::new_err(format!("sample = \"{word}\": {what}"));
+            file::method(word).map_err(refused)
+        });
+        wishes.method = method.transpose()?;
         (wishes.count, wishes.seed, wishes.series) = (count, seed, series);
         let packages = tempfile::tempdir()?;
         let mode = self::mode(mode)?;
         let options = Options {
             mode,
-            jobs: jobs.max(1),
+            jobs,
             series,
             logging: false,
             fmus: packages.path().to_owned(),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -76,8 +78,44 @@ def test_figures_of_the_summary_are_those_of_the_filtered_force(scene: pantoline
     evaluated = (result.time >= begin - 1e-9) & (result.time <= end + 1e-9)
     figures = result.summary["pantographs"][0]["contact_force"]["filtered"]
     assert result.filtered()[evaluated].std() == pytest.approx(figures["std"], rel=1e-9)
-    with pytest.raises(IndexError, match="pantograph 2: must be a number from 1 to 1"):
-        result.filtered(2)
+    for number in (2, 0, -1):
+        for use in (result.filtered, result.plot):
+            with pytest.raises(IndexError, match=f"pantograph {number}: must be a number from 1 to 1"):
+                use(number)
+
+
+@pytest.mark.parametrize("package", ["pandas", "polars", "matplotlib"])
+def test_a_package_that_is_missing_is_named_with_its_extra(
+    scene: pantoline.Scene, package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = scene.run()
+    for name in [name for name in sys.modules if name.partition(".")[0] == package]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, package, None)
+    uses = {
+        "pandas": [result.to_pandas, result.limits.to_pandas],
+        "polars": [result.to_polars, result.limits.to_polars],
+        "matplotlib": [result.plot],
+    }
+    extra = "plot" if package == "matplotlib" else package
+    for use in uses[package]:
+        with pytest.raises(ImportError, match=rf"needs {package}, which the extra pantoline\[{extra}\] installs"):
+            use()
+
+
+def test_a_file_in_place_of_a_folder_is_refused(scene: pantoline.Scene, tmp_path: Path) -> None:
+    file = tmp_path / "README.md"
+    file.write_text("a file")
+    result = scene.run()
+    for path in (file, file / "below"):
+        refusal = f"{re.escape(str(path))}: must be a folder, not a file or below one"
+        with pytest.raises(NotADirectoryError, match=f"out = {refusal}"):
+            scene.run(out=path)
+        with pytest.raises(NotADirectoryError, match=f"folder = {refusal}"):
+            result.save(path)
+        with pytest.raises(NotADirectoryError, match=f"out = {refusal}"):
+            pantoline.sweep(scene, {"run.speed_kmh": [200]}, out=path)
+    assert file.read_text() == "a file"
 
 
 def test_a_result_is_shown(scene: pantoline.Scene) -> None:

@@ -6,7 +6,9 @@ import copy
 import pickle
 import re
 import subprocess
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -107,8 +109,39 @@ def test_a_copy_is_apart_and_a_pickle_is_equal(scene: pantoline.Scene) -> None:
     assert scene["run.speed_kmh"] == 300.0
     for again in (copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         assert again.to_toml() == scene.to_toml() and again.overrides == SMALL
-    with pytest.raises(TypeError):
-        scene["run.speed_kmh"] = object()
+
+
+@pytest.mark.parametrize("value", [None, b"12", bytearray(b"12"), object(), [1, None], {1, 2}])
+def test_a_value_of_no_type_of_a_scene_is_refused_with_its_key(scene: pantoline.Scene, value: object) -> None:
+    with pytest.raises(TypeError, match="run.speed_kmh = .*: must be a number, a text"):
+        scene["run.speed_kmh"] = value
+    with pytest.raises(TypeError, match="run.speed_kmh = .*: must be a number, a text"):
+        scene.update({"run.speed_kmh": value})
+    assert scene.overrides == SMALL
+
+
+def test_one_override_is_one_key() -> None:
+    assert pantoline.Scene.load(EN_300, "run.speed_kmh=200").overrides == ["run.speed_kmh=200"]
+
+
+@pytest.mark.parametrize("overrides", [None, 5, [5]])
+def test_overrides_of_another_type_are_refused_by_their_name(overrides: Any) -> None:
+    with pytest.raises(TypeError, match="overrides = .*: must be a text, or a list of texts"):
+        pantoline.Scene.load(EN_300, overrides)
+
+
+def test_what_is_no_scene_is_refused_with_the_way_to_one(tmp_path: Path) -> None:
+    given: Any = str(EN_300)
+    with pytest.raises(TypeError, match=r"en50318-300.toml'.*Scene.load\(path\)"):
+        pantoline.Scene(given)
+    for value in (given, EN_300, None):
+        for use in (
+            pantoline.Simulation,
+            partial(pantoline.sweep, vary={"run.speed_kmh": [200]}, out=tmp_path),
+            pantoline.sensitivity,
+        ):
+            with pytest.raises(TypeError, match=r"scene = .*: must be a Scene, such as Scene.load\(path\) returns"):
+                use(value)
 
 
 def test_a_file_that_is_no_scene_is_refused(tmp_path: Path) -> None:

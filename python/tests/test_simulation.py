@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import os
 import pickle
@@ -83,6 +84,24 @@ def test_signals_are_read_and_set(scene: pantoline.Scene) -> None:
         simulation["contact[1].forc"]
     with pytest.raises(KeyError, match=nearest):
         simulation["contact[1].forc"] = 1.0
+
+
+def test_a_number_of_steps_that_is_none_is_refused(tiny: pantoline.Scene) -> None:
+    simulation = pantoline.Simulation(tiny)
+    with pytest.raises(ValueError, match="n = -1: must be a whole number from 0 on"):
+        simulation.step(-1)
+    count: Any = 1.5
+    with pytest.raises(TypeError, match="n = 1.5: must be a whole number from 0 on"):
+        simulation.step(count)
+    assert simulation.time == simulation.step(0) == 0.0
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_simulation_is_not_copied_and_says_how_its_state_is(
+    copied: Callable[[object], object], tiny: pantoline.Scene
+) -> None:
+    with pytest.raises(TypeError, match=r"cannot be copied or pickled: keep its state with save\(\)"):
+        copied(pantoline.Simulation(tiny))
 
 
 def test_bytes_of_a_state_that_were_changed_are_refused(tiny: pantoline.Scene) -> None:

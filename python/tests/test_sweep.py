@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -65,11 +67,92 @@ def test_samples_and_expressions_are_those_of_the_program(tmp_path: Path) -> Non
 def test_a_wish_is_refused_with_its_place(tmp_path: Path) -> None:
     with pytest.raises(pantoline.SweepError, match="must have a number of samples too"):
         pantoline.sweep(scene(), {"run.speed_kmh": "250:300"}, sample="latin", out=tmp_path)
-    with pytest.raises(pantoline.SweepError, match="must be one of latin, sobol, random"):
+    with pytest.raises(pantoline.SweepError, match='sample = "lattin": must be one of latin, sobol, random'):
         pantoline.sweep(scene(), VARY, sample="lattin", n=3, out=tmp_path)
     with pytest.raises(pantoline.SceneError, match="unknown key"):
         pantoline.sweep(scene(), {"run.sped_kmh": [1, 2]}, out=tmp_path)
     assert not (tmp_path / "sweep.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "least"),
+    [("n", -1, 1), ("seed", -1, 0), ("jobs", 0, 1), ("batch", 0, 1), ("batch", -1, 1), ("retries", -1, 0)],
+)
+def test_a_number_is_refused_by_its_name(name: str, value: int, least: int, tmp_path: Path) -> None:
+    refusal = f": must be a whole number from {least} on"
+    numbers: dict[str, Any] = {"sample": "latin", "n": 3, name: value}
+    with pytest.raises(pantoline.SweepError, match=f"{name} = {value}{refusal}"):
+        pantoline.sweep(scene(), {"run.speed_kmh": "250:300"}, out=tmp_path, **numbers)
+    with pytest.raises(TypeError, match=f"{name} = 'many'{refusal}"):
+        pantoline.sweep(scene(), {"run.speed_kmh": "250:300"}, out=tmp_path, **{**numbers, name: "many"})
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_range_of_a_file_is_that_of_the_command_line(expected: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(expected, tmp_path / "again")
+    speeds = {"from": 250, "to": np.int64(300), "step": 10.0}
+    table = pantoline.sweep(scene(), {**VARY, "run.speed_kmh": speeds}, out=folder)
+    assert table.summary["made_earlier"] == 12
+
+
+def test_a_distribution_of_a_file_is_that_of_the_command_line(tmp_path: Path) -> None:
+    for force in ("normal(110,5)", {"normal": [110, 5]}, {"normal": np.array([110.0, 5.0])}):
+        table = pantoline.sweep(scene(), {"pantograph[1].static_force": force}, sample="random", n=2, out=tmp_path)
+    assert table.summary["made_earlier"] == 2
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        ({"from": 200, "to": 300}, pantoline.SweepError),
+        ({"from": "a", "to": 300, "step": 50}, pantoline.SweepError),
+        ({"normal": 110}, pantoline.SweepError),
+        ({}, pantoline.SweepError),
+        ({200, 300}, TypeError),
+        ((speed for speed in (200, 300)), TypeError),
+        (b"200", TypeError),
+        (None, TypeError),
+        ([200, None], TypeError),
+    ],
+)
+def test_values_of_another_form_are_refused_with_the_forms(
+    values: object, kind: type[Exception], tmp_path: Path
+) -> None:
+    with pytest.raises(kind, match=r"run.speed_kmh = .*: must be a value, a list, .*\"from\".*\"normal\""):
+        pantoline.sweep(scene(), {"run.speed_kmh": values}, out=tmp_path)
+
+
+def test_arguments_of_another_type_are_refused_by_their_names(tmp_path: Path) -> None:
+    nothing: Any = None
+    where: Any
+    with pytest.raises(TypeError, match="vary = None: must be a mapping of keys"):
+        pantoline.sweep(scene(), nothing, out=tmp_path)
+    with pytest.raises(TypeError, match="derive = 'x': must be a mapping of keys"):
+        pantoline.sweep(scene(), VARY, out=tmp_path, derive="x")
+    for where in (5, [5]):
+        with pytest.raises(TypeError, match="where = .*: must be a text, or a list of texts"):
+            pantoline.sweep(scene(), VARY, out=tmp_path, where=where)
+    with pytest.raises(TypeError, match="client = 'x': must be a dask.distributed.Client"):
+        pantoline.sweep(scene(), VARY, out=tmp_path, client="x")
+
+
+def test_a_cluster_without_its_package_is_refused_with_the_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ImportError, match=r"client: needs distributed, which the extra pantoline\[dask\] installs"):
+        pantoline.sweep(scene(), VARY, out=tmp_path, client="x")
+
+
+def test_a_table_is_shown_without_pandas(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = pantoline.sweep(scene(), {"run.speed_kmh": [250, 270, 290]}, series=True, out=tmp_path)
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    page = table._repr_html_()
+    assert "<td>290</td>" in page and page.count("<tr>") == 1 + 3 and "more rows" not in page
+    assert "<th>run.speed_kmh</th>" in page and "filtered_N" in table.to_arrow().column_names and "filtered_N" not in page
+    monkeypatch.setattr("pantoline.sweeps._SHOWN", 2)
+    page = table._repr_html_()
+    assert page.count("<tr>") == 1 + 2 and f"1 more rows in {tmp_path}" in page
 
 
 def kill_after_the_first_batch(victim: int, parts: Path) -> None:
