@@ -73,8 +73,8 @@ class ContactForceEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             ValueError: A scene whose pantograph takes no commands, or whose actuator has no limit.
         """
         self._simulation = Simulation(scene)
-        self._aim = ForceAim(self._simulation._stepper, pantograph, effort)
-        self._lead = lead
+        self._aim = ForceAim(self._simulation._stepper, whole("pantograph", pantograph, 1), effort)
+        self._lead = whole("lead", lead, 0)
         self.observation_space, self.action_space = _spaces()
 
     @property
@@ -157,8 +157,9 @@ class ContactForceVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], 
         self._keys = [_case(vary, case, np.random.default_rng(draw)) for case, draw in enumerate(draws)]
         cases = [[f"{key}={typed(key, value)}" for key, value in keys.items()] for keys in self._keys]
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        pantograph = whole("pantograph", pantograph, 1)
         self._batch = EnvironmentBatch(checked(scene)._source, cases, pantograph, effort, threads or cores)
-        self._lead = lead
+        self._lead = whole("lead", lead, 0)
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self._ended = np.zeros(num_envs, dtype=np.bool_)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -183,12 +185,26 @@ def test_a_case_draws_by_the_seed_and_its_number() -> None:
         ({"vary": {"pantograph[1].mass": (1.0, 2.0)}}, "mass"),
         ({"vary": {"pantograph[1].control.actuator.limit": (-2.0, -1.0)}}, "limit"),
         ({"pantograph": 2}, "pantograph = 2: must be a whole number from 1 to 1"),
+        ({"pantograph": -1}, "pantograph = -1: must be a whole number from 1 on"),
+        ({"lead": -1}, "lead = -1: must be a whole number from 0 on"),
         ({"effort": float("nan")}, "effort"),
     ],
 )
 def test_cases_that_cannot_be_are_refused(more: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         ContactForceVectorEnv(scene(GIVEN), **{"num_envs": 2, **more})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("name", "least"), [("pantograph", 1), ("lead", 0)])
+def test_a_number_of_one_environment_is_refused_by_its_name(name: str, least: int) -> None:
+    with pytest.raises(ValueError, match=f"{name} = -1: must be a whole number from {least} on"):
+        ContactForceEnv(scene(GIVEN), **{name: -1})  # type: ignore[arg-type]
+
+
+def test_environments_without_their_package_are_refused_with_the_extra() -> None:
+    script = "import sys; sys.modules['gymnasium'] = None; import pantoline.gym"
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert "pantoline.gym: needs gymnasium, which the extra pantoline[gym] installs" in ended.stderr
 
 
 def test_actions_that_are_no_numbers_are_refused() -> None:
@@ -198,5 +214,5 @@ def test_actions_that_are_no_numbers_are_refused() -> None:
         env.step(np.array([[0.0], [np.nan]], dtype=np.float32))
     with pytest.raises(ValueError, match="2 numbers"):
         env.step(np.zeros((3, 1), dtype=np.float32))
-    with pytest.raises(KeyError):
+    with pytest.raises(KeyError, match=r'did you mean "contact\[1\].force"\?'):
         env.signal("contact[1].froce")
