@@ -38,8 +38,8 @@ def _toml(value: Any) -> str:
     if isinstance(value, (str, os.PathLike)):
         return json.dumps(os.fspath(value), ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Mapping):
-        entries = ", ".join(f"{json.dumps(str(key), ensure_ascii=False)} = {_toml(entry)}" for key, entry in value.items())
-        return "{ " + entries + " }"
+        entries = [f"{json.dumps(str(key), ensure_ascii=False)} = {_toml(entry)}" for key, entry in value.items()]
+        return "{ " + ", ".join(entries) + " }"
     if _is_list(value):
         return "[" + ", ".join(_toml(entry) for entry in value) + "]"
     raise TypeError
