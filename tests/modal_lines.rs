@@ -153,28 +153,32 @@ fn a_stitched_line_in_space_and_one_of_twin_wires_in_their_modes_are_the_lineari
     }
 }
 
+/// Dampers between those that steps can stand for and those that hold wires together.
 #[test]
-fn dampers_that_steps_cannot_bear_are_refused_with_those_that_they_can() {
-    let with = |damping: f64| {
-        scene(
-            EN_300,
-            "\"modal\"",
-            1e-3,
-            &[MESH, &format!("catenary.droppers.damping={damping}")],
-        )
-    };
-    let damped = with(1e3);
-    let statics = static_line(&damped).unwrap();
-    let refused = Subsystem::new(&damped, &statics).err().expect("too much").to_string();
-    assert!(refused.contains("catenary.droppers.damping = 1000 N s/m"), "{refused}");
-    let limit = |words: &str| -> f64 {
-        let number = refused.split(words).nth(1).unwrap().split(' ').next().unwrap();
-        number.parse().unwrap()
-    };
-    for damping in [limit("at most ") - 1.0, limit("at least ") + 1.0] {
-        let run = run(with(damping), Mode::Monolithic, "modal-damped");
-        assert!(run.sigma() > 10.0 && run.sigma() < 60.0, "{} N", run.sigma());
+fn droppers_with_dampers_of_any_strength_are_those_of_the_line() {
+    let words = ["\"planar\", \"linearised\"", "\"modal\""];
+    // Coarser meshes have slack droppers that come taut elsewhere.
+    let mesh = MESH.replace("=4", "=8");
+    for (stiffness, damping, most) in [
+        ("1e5", "200", 1.1),
+        ("1e5", "1e3", 2.0),
+        ("3e4", "1e3", 2.3),
+        ("2e5", "3e3", 1.5),
+    ] {
+        let droppers = [("stiffness", stiffness), ("damping", damping)];
+        let droppers = droppers.map(|(key, value)| format!("catenary.droppers.{key}={value}"));
+        let difference = difference(EN_300, words, &[&mesh, &droppers[0], &droppers[1]]);
+        assert!(difference < most, "{stiffness} N/m, {damping} N s/m: {difference} %");
     }
+}
+
+/// Modes of rods on coarse meshes turn by a third in a step: pushes by the tension at its begin would swing.
+#[test]
+fn droppers_creep_on_coarse_meshes_too() {
+    let words = ["\"planar\", \"linearised\"", "\"modal\""];
+    let mesh = "catenary.mesh={ elements_per_interval=2, corrections=\"none\" }";
+    let difference = difference(EN_300, words, &[&[mesh], &CREEPING[..]].concat());
+    assert!(difference < 3.0, "{difference} %");
 }
 
 /// Rods that do not creep are further from the linearised line by half and more.

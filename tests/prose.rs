@@ -57,7 +57,7 @@ fn no_crate_outgrows_its_room() {
         let folder = manifest.trim_end_matches("Cargo.toml");
         if folder != "tests/" {
             let lines = product_lines(&format!("{folder}src/"));
-            assert!(lines <= 16_000, "{folder}: {lines} lines outside of tests");
+            assert!(lines <= 16_200, "{folder}: {lines} lines outside of tests");
         }
     }
     let program = product_lines("master/cli/src/");

@@ -13,22 +13,6 @@ pub enum StaticsError {
         /// Reason.
         reason: String,
     },
-    /// Dampers of droppers that forces cannot stand for.
-    #[error(
-        "model.reduce = \"modal\": catenary.droppers.damping = {damping} N s/m: must be at most {most:.0} N s/m on \
-         these wires, as forces add these dampers to the modes from step to step, or at least {least:.0} N s/m \
-         in steps of {step_ms} ms, where droppers are rods that creep; \"linearised\" takes any"
-    )]
-    DampedDroppers {
-        /// Key of the scene, N s/m.
-        damping: f64,
-        /// Largest one that is stable, N s/m.
-        most: f64,
-        /// Least one that makes a dropper a rod, N s/m.
-        least: f64,
-        /// Step, ms.
-        step_ms: f64,
-    },
     /// Element lengths did not settle.
     #[error(
         "form finding: after {iterations} rounds nodes are still {distance:.3e} m from their nominal x, \

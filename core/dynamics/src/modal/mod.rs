@@ -15,4 +15,4 @@ mod step;
 
 pub use aligned::Aligned;
 pub use bend::bend;
-pub use step::{Factors, StepFactors};
+pub use step::{Factors, LARGEST_TURN, StepFactors};

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// Largest angle by which a mode turns in a step that is solved exactly, rad. Beyond half a turn a force that rises
 /// within the step makes a mode overshoot: forces that follow from its motion, as that of a slack dropper, would swing.
-const TURN: f64 = 1.1 * PI;
+pub const LARGEST_TURN: f64 = 1.1 * PI;
 /// `γ` of Newmark's rule beyond: damps what the step cannot follow, and keeps the inertia of what it can. Chosen by
 /// lines with droppers of 1e5 to 1e7 N/m in steps of 1 and 2.5 ms.
 const GAMMA: f64 = 0.7;
@@ -102,7 +102,7 @@ impl StepFactors {
         for (mode, (&stiffness, &damping)) in stiffness.iter().zip(damping).enumerate() {
             let [q, v] = if h == 0.0 {
                 [[0.0, 0.0, 0.0, 1.0 / stiffness, 0.0], [0.0; 5]]
-            } else if stiffness.sqrt() * h > TURN {
+            } else if stiffness.sqrt() * h > LARGEST_TURN {
                 newmark(stiffness, damping, h)
             } else {
                 over(stiffness, damping, h)

@@ -1,4 +1,5 @@
 //! A line in its modes before strips run under it.
+use super::creep::Creeping;
 use super::modes::Modes;
 use super::slack::Answers;
 use crate::{Line, LinearLine, StaticsError, WireCurve};
@@ -31,6 +32,8 @@ pub(crate) struct Base {
     pub(super) shape: Line,
     /// Number of those coordinates.
     pub(super) coordinates: usize,
+    /// Droppers creep.
+    pub(super) creeping: Option<Creeping>,
     /// Answers to forces at the end of a step, and at rest.
     pub(super) answers: [Arc<Answers>; 2],
 }
@@ -46,8 +49,11 @@ impl Base {
             reason: "the line has no shape".to_owned(),
         })?;
         let contact_wires = (0..linear.contact_wires()).map(|wire| linear.contact_curve(wire));
-        let answers = [Answers::new(&modes, wish.h), Answers::at_rest(&modes)].map(Arc::new);
+        let mut answers = [Answers::new(&modes, wish.h), Answers::at_rest(&modes)];
+        let creeping = Creeping::of(&modes, &mut answers[0]);
+        let answers = answers.map(Arc::new);
         Ok(Self {
+            creeping,
             answers,
             modes,
             contact_wires: contact_wires.collect(),

@@ -1,10 +1,11 @@
 //! The line as strips see it: a contribution of forces on massless points under the strips.
-use super::creep::Creep;
+use super::creep::{Creep, Creeping};
 use super::curve::Place;
 use super::lacking::Lacking;
 use super::lane::Lane;
 use super::modes::Modes;
 use super::pass::HELD;
+use super::slack::Yielding;
 use dynamics::unilateral::next_of;
 use dynamics::{Blocks, Force, LowRank, Motion, State, StepHistory, Updates, Weights};
 use std::sync::Arc;
@@ -106,7 +107,7 @@ struct Step {
 
 impl Interface {
     /// The line under `points`.
-    pub fn new(lane: Lane, points: Vec<Contact>) -> Self {
+    pub fn new(lane: Lane, points: Vec<Contact>, creeping: Option<Creeping>) -> Self {
         let (modes, contacts) = (Arc::clone(&lane.modes), points.len());
         let mut slope = vec![0.0; contacts * contacts];
         (0..contacts).for_each(|point| slope[point * (contacts + 1)] = HELD);
@@ -116,7 +117,7 @@ impl Interface {
             forces_before: vec![0.0; contacts],
             last_h: f64::INFINITY,
             lacking: Lacking::new(&modes.at_rest),
-            creep: Creep::new(&modes),
+            creep: creeping.and_then(|creeping| Creep::new(&modes, creeping)),
             reached: vec![0.0; contacts],
             rates: vec![0.0; contacts],
             residual: vec![0.0; contacts],
@@ -269,6 +270,12 @@ impl Interface {
         repaying.clear();
         if let Some(creep) = &mut self.creep {
             creep.begin(self.step.h);
+            if self.step.h == 0.0 {
+                let lane = self.lane.as_deref().expect(HERE);
+                lane.candidates
+                    .ends()
+                    .for_each(|(dropper, end)| creep.settle(dropper, end.max(0.0)));
+            }
         }
         for at in 0..self.lane().watched.len() {
             let (joint, motion) = (self.lane().watched[at], self.lane().motions[at]);
@@ -276,21 +283,21 @@ impl Interface {
             // Loose droppers whose turn it is are there twice, the second time with their rates.
             let again = at >= self.lane().near && at < self.lane().in_turn && self.loose.binary_search(&joint).is_ok();
             if let Some(dropper) = own.filter(|_| !again) {
-                let tension = self.spring(dropper, motion, self.modes.law.damping);
+                let push = self.creep.as_ref();
+                let push = push.map_or(0.0, |creep| creep.push(dropper) + creep.lost(dropper));
+                let tension = self.spring(dropper, motion, self.modes.law.damping) - push;
                 self.lacking.look_at(dropper, tension);
-                if self.step.h == 0.0 {
-                    self.settle_creep(dropper);
-                }
             }
             if at >= self.lane().near {
                 continue;
             }
             if let (Some(dropper), Some(creep)) = (own, &mut self.creep) {
                 if self.step.h > 0.0 {
-                    let by_rate = self.modes.law.damping * motion[1];
-                    creep.near(dropper, [self.lacking.tension(dropper), by_rate], self.step.h);
+                    let own = self.lacking.tension(dropper);
+                    let spring = own + creep.push(dropper) - self.modes.law.damping * motion[1];
+                    creep.near(dropper, [own, spring], self.step.h);
                 }
-                repaying.push((joint, creep.pushes(dropper)[1]));
+                repaying.push((joint, creep.push(dropper)));
                 continue;
             }
             let [_, rate] = motion;
@@ -304,21 +311,6 @@ impl Interface {
         }
         self.lane_mut().repaying = repaying;
         self.creep_far_away();
-    }
-
-    /// Takes the creep of a dropper at rest out of the force that it lacks there.
-    fn settle_creep(&mut self, dropper: usize) {
-        let Some(creep) = &mut self.creep else { return };
-        let (spring, at_rest) = (self.lacking.tension(dropper), self.modes.lacks_at_rest(dropper));
-        let lacks = self.lacking.beyond_rest()[dropper] + at_rest;
-        creep.settle(dropper, (spring + lacks).max(0.0));
-        let [_, push] = creep.pushes(dropper);
-        let beyond_rest = if spring + lacks > 0.0 {
-            0.0
-        } else {
-            (push - spring).max(0.0)
-        };
-        self.lacking.end_step(std::iter::once((dropper, beyond_rest - at_rest)));
     }
 
     /// Goes on with droppers far from strips whose turn it is, and tells slow modes what has changed.
@@ -385,16 +377,23 @@ impl Interface {
             lane.repaying.clear();
             lane.slow_forces[0].fill(0.0);
         }
+        if let Some(creep) = self.creep.as_mut().filter(|_| h > 0.0 && !as_long) {
+            let droppers = lane.repaying.iter_mut().filter(|(joint, _)| *joint < modes.droppers());
+            for (dropper, push) in droppers {
+                creep.expect_other(*dropper, h);
+                *push = creep.push(*dropper);
+            }
+        }
         let lacking = &self.lacking;
         let creep = self.creep.as_ref();
-        let pushes = |dropper: usize| creep.map_or([0.0; 2], |creep| creep.pushes(dropper));
-        let may_be_slack = |dropper: &usize| h == 0.0 || lacking.tension(*dropper) - pushes(*dropper)[0] < TAUT;
-        let droppers = (0..modes.droppers()).filter(may_be_slack);
-        // Second differences of a tension do not change with a push in a straight line.
+        let push = |dropper: usize| creep.map_or(0.0, |creep| creep.push(dropper));
+        let yielding = |dropper: usize| creep.map_or_else(Yielding::default, |creep| creep.yielding(dropper, h));
+        let yields_or_may_be_slack =
+            |dropper: &usize| h == 0.0 || lacking.tension(*dropper) < TAUT || yielding(*dropper).by_tension != 0.0;
+        let droppers = (0..modes.droppers()).filter(yields_or_may_be_slack);
         let begin = |dropper: usize| {
-            let [before, begin] = lacking.course(dropper, as_long);
-            let [pushed, push] = pushes(dropper);
-            let course = [before - (2.0 * pushed - push), begin - pushed];
+            let course = lacking.course(dropper, as_long);
+            let push = (push(dropper), yielding(dropper));
             (dropper, lacking.beyond_rest()[dropper], course, push)
         };
         lane.candidates.choose(droppers.map(begin));
@@ -540,6 +539,15 @@ impl StepHistory for Interface {
         lane.bends.extend(lane.candidates.bends(h));
         lane.forces.copy_from_slice(&self.forces);
         pull(&mut lane.lacking, &self.lacking);
+        let yielded = lane.candidates.yielded().filter(|(_, force)| *force != 0.0);
+        for (dropper, force) in yielded {
+            lane.lacking.push((dropper, -force));
+        }
+        if let Some(creep) = self.creep.as_mut().filter(|_| h > 0.0) {
+            lane.candidates
+                .yielded()
+                .for_each(|(dropper, force)| creep.yield_by(dropper, force));
+        }
         self.steps += usize::from(h > 0.0);
         self.choose_watched();
         self.move_on(Lane::end);

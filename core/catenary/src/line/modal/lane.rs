@@ -85,7 +85,8 @@ pub(super) struct Lane {
     /// Deflection of the points without forces at the end, m.
     pub free: Vec<f64>,
 
-    /// Forces that slack droppers lack at the end of the step, with the sign of a force that pulls.
+    /// Forces that slack droppers lack at the end of the step, and that others yield, with the sign of a force that
+    /// pulls.
     pub lacking: Joints,
     /// Second derivatives of the forces that droppers lack in the step, N/s².
     pub bends: Joints,
@@ -127,7 +128,7 @@ impl Lane {
             repaying: Vec::with_capacity(joints),
             candidates: Candidates::default(),
             free: vec![0.0; points],
-            lacking: Vec::with_capacity(modes.droppers()),
+            lacking: Vec::with_capacity(2 * modes.droppers()),
             bends: Vec::with_capacity(modes.droppers()),
             watched: Vec::with_capacity(joints),
             near: 0,

@@ -56,7 +56,6 @@ use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
 use interface::{Contact, Interface};
 use lane::{Lane, Wires};
-use modes::ROD;
 use nalgebra::Vector3;
 use scene::{Catenary, Reduction, Scene, Wire, WireKind};
 use std::f64::consts::TAU;
@@ -107,9 +106,8 @@ impl ModalLine {
     /// The line of a scene in its modes; adds one coordinate per strip and contact wire to `layout`.
     ///
     /// # Errors
-    /// See [`StaticsError::Modes`] and [`StaticsError::DampedDroppers`].
+    /// See [`StaticsError::Modes`].
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
-        let creeping = creeps(scene)?;
         let line = scene.modelled_line().map(|(line, _)| line);
         let beta = line.map_or(0.0, |line| line.damping.beta);
         let error_of_mesh = mesh::expected_error(scene).map_or(f64::INFINITY, |error| error.total());
@@ -118,7 +116,7 @@ impl ModalLine {
             highest: highest(scene, error_of_mesh),
             stretching: line.is_some_and(|line| tells_stretching(line, error_of_mesh)),
             beta,
-            creeping,
+            creeping: line.is_some_and(creeps),
             bearable: line.map_or(0.0, |line| for_rate(line, MOST_ATTACHED)),
             h: scene.solver.micro_step,
         };
@@ -164,8 +162,9 @@ impl ModalLine {
             rest,
             slowest,
         };
+        let lane = Lane::new(Arc::clone(&base.modes), base.answers.to_vec(), wires);
         Self {
-            interface: Interface::new(Lane::new(Arc::clone(&base.modes), base.answers.to_vec(), wires), points),
+            interface: Interface::new(lane, points, base.creeping),
             curves,
             contact_wires,
             coordinates: base.coordinates,
@@ -198,31 +197,9 @@ const MOST_DAMPED: f64 = 0.5;
 /// The same with attachment modes, whose rates change much within a step.
 const MOST_ATTACHED: f64 = 0.1;
 
-/// Least damper of a dropper, as `κ` of [`for_rate`], that makes it a rod that creeps: weaker ones let forces that push
-/// rods apart swing.
-const LEAST_CREEPING: f64 = 16.0;
-/// Largest push of a rod in a step in units of the tension that makes it, `K h/2c`, by which forces creep with an error
-/// that steps have anyway.
-const MOST_PUSHED: f64 = 1.25;
-
-/// True for droppers that creep; refuses dampers that are neither weak enough for forces from step to step nor strong
-/// enough for rods. Both limits of rods were found on the line of the thesis.
-fn creeps(scene: &Scene) -> Result<bool, StaticsError> {
-    let Some((line, _)) = scene.modelled_line() else {
-        return Ok(false);
-    };
-    let (damping, h) = (line.droppers.damping, scene.solver.micro_step);
-    let most = line.damping.beta * line.droppers.stiffness + for_rate(line, MOST_DAMPED);
-    let least = for_rate(line, LEAST_CREEPING).max(ROD * h / (2.0 * MOST_PUSHED));
-    if damping > most && damping < least {
-        return Err(StaticsError::DampedDroppers {
-            damping,
-            most,
-            least,
-            step_ms: 1e3 * h,
-        });
-    }
-    Ok(damping > most)
+/// True for droppers that creep: their dampers are too strong for forces from step to step.
+fn creeps(line: &Catenary) -> bool {
+    line.droppers.damping > line.damping.beta * line.droppers.stiffness + for_rate(line, MOST_DAMPED)
 }
 
 /// Damper `b = κ/a` between contact wire and the wire above, N·s/m.

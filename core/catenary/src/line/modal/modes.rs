@@ -24,13 +24,20 @@ const BRAKED: f64 = 100.0;
 /// Marks a coordinate without a row.
 const NONE: u32 = u32::MAX;
 
-/// Stiffness of rods that stand for droppers which creep, N/m.
-pub(super) const ROD: f64 = 1e7;
+/// Largest stiffness of rods that stand for droppers which creep, N/m.
+const ROD: f64 = 1e7;
+/// Frequency up to which a dropper that creeps has its own law, Hz.
+const FELT: f64 = 20.0;
+/// Its part there that is lost, –: softer rods are worse, and stiffer ones are for shorter steps.
+const LOST: f64 = 0.05;
 /// Stiffness of a dropper above which its damper does not tell, N/m: its spring is a rod.
 const STIFF: f64 = 0.1 * ROD;
 
 /// Law of droppers in the modes, and that of spring and damper end to end with rods where droppers creep: together they
 /// have the law of the dropper at rest and in slow motion.
+///
+/// Rod, spring and damper end to end are the spring `k` beside the damper `c` end to end with a spring `K − k`. The
+/// latter takes `(ω c)²/(K − k)` from `k + i ω c`, which makes `K` (*derived here*).
 fn laws(law: DropperLaw, wish: Wish) -> (DropperLaw, Option<DropperLaw>) {
     let rod = |stiffness| DropperLaw {
         stiffness,
@@ -41,12 +48,15 @@ fn laws(law: DropperLaw, wish: Wish) -> (DropperLaw, Option<DropperLaw>) {
     } else if law.stiffness > STIFF {
         (rod(law.stiffness), None)
     } else {
-        let more = ROD / (ROD - law.stiffness);
+        let damper = TAU * FELT * law.damping;
+        let stiffness = law.stiffness + damper * damper / (LOST * (law.stiffness + damper));
+        let stiffness = stiffness.min(ROD);
+        let more = stiffness / (stiffness - law.stiffness);
         let creeping = DropperLaw {
             stiffness: more * law.stiffness,
             damping: more * more * law.damping,
         };
-        (rod(ROD), Some(creeping))
+        (rod(stiffness), Some(creeping))
     }
 }
 
@@ -326,13 +336,6 @@ impl Modes {
     /// Force that a dropper lacks at rest, N: that of a spring that pushes.
     pub fn lacks_at_rest(&self, dropper: usize) -> f64 {
         (-self.at_rest[dropper]).max(0.0)
-    }
-
-    /// Force by which the push of a dropper that creeps rises at rest for each newton of tension, –: none where
-    /// droppers do not creep.
-    pub fn creep_at_rest(&self) -> f64 {
-        self.creeping
-            .map_or(0.0, |creeping| self.law.stiffness / creeping.stiffness)
     }
 
     /// Entries of all modes at a row.

@@ -51,6 +51,13 @@ impl Answers {
         answers
     }
 
+    /// Tension of a dropper by each newton that it lacks, with its spring in the modes, –.
+    pub fn by_own(&mut self, modes: &Modes, dropper: usize) -> f64 {
+        self.need((Arch::new(), modes), dropper, dropper..dropper + 1);
+        let [answer, _] = self.between(modes, [dropper; 2]);
+        1.0 - answer
+    }
+
     /// Answer of the tension of dropper `a` to the force of dropper `b`, –, and to its bend, s²; not numbers where not
     /// yet needed.
     fn between(&self, modes: &Modes, [a, b]: [usize; 2]) -> [f64; 2] {
@@ -75,6 +82,22 @@ impl Answers {
             self.between_droppers[dropper * modes.droppers() + other] = answer;
             self.between_droppers[other * modes.droppers() + dropper] = answer;
         });
+    }
+}
+
+/// Change of the known force that pushes a dropper apart: less tension than expected, less push.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Yielding {
+    /// Force for each newton of tension less, –.
+    pub by_tension: f64,
+    /// Tension that the known force expects, N.
+    pub expected: f64,
+}
+
+impl Yielding {
+    /// Force that pulls at a tension of a spring, N, negative for a slack dropper.
+    pub fn force(self, tension: f64) -> f64 {
+        self.by_tension * (self.expected - tension.max(0.0))
     }
 }
 
@@ -126,6 +149,8 @@ pub(super) struct Candidates {
     courses: Vec<[f64; 2]>,
     /// Force of each that pushes it apart at the end of the step, N, which is known.
     pushes: Vec<f64>,
+    /// Change of that with the tension there.
+    yielding: Vec<Yielding>,
     /// Bend of the lacking force of each at the last solution, N.
     bends: Vec<f64>,
     /// Tension of each at the end of the step at the last solution, N, negative for what a slack one lacks.
@@ -147,9 +172,22 @@ impl Candidates {
         &self.droppers
     }
 
-    /// The candidates and their last lacking forces, N.
+    /// The candidates and their last lacking forces beyond what they yield, N.
     pub fn lacking(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.droppers.iter().copied().zip(self.lacking.iter().copied())
+        let yielded = self.yielded().map(|(_, yielded)| yielded);
+        let all = self.droppers.iter().zip(&self.lacking).zip(yielded);
+        all.map(|((dropper, lacking), yielded)| (*dropper, lacking - yielded))
+    }
+
+    /// The candidates and what they yielded last, N.
+    pub fn yielded(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let all = self.ends().zip(&self.yielding);
+        all.map(|((dropper, end), yielding)| (dropper, yielding.force(end)))
+    }
+
+    /// The candidates and their last tensions, N, negative for what slack ones lack.
+    pub fn ends(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.droppers.iter().copied().zip(self.ends.iter().copied())
     }
 
     /// The candidates and the second derivatives of their lacking forces in a step of `h` s, N/s².
@@ -160,19 +198,21 @@ impl Candidates {
     }
 
     /// Chooses the droppers that are candidates, with what they lacked at the end of the last step, N,
-    /// their courses, and the forces that push them apart, N.
-    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64, [f64; 2], f64)>) {
+    /// their courses, and the forces that push them apart, N, with the change of these.
+    pub fn choose(&mut self, droppers: impl Iterator<Item = (usize, f64, [f64; 2], (f64, Yielding))>) {
         self.droppers.clear();
         self.lacking.clear();
         self.courses.clear();
         self.pushes.clear();
+        self.yielding.clear();
         self.ends.clear();
         self.bends.clear();
-        for (dropper, lacking, course, push) in droppers {
+        for (dropper, lacking, course, (push, yielding)) in droppers {
             self.droppers.push(dropper);
             self.lacking.push(lacking);
             self.courses.push(course);
             self.pushes.push(push);
+            self.yielding.push(yielding);
             self.ends.push(course[1]);
             self.bends.push(0.0);
         }
@@ -236,8 +276,8 @@ impl Candidates {
         self.by_force.deflection(point, points, &self.lacking) - self.by_bend.deflection(point, points, &self.bends)
     }
 
-    /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces`
-    /// are those of the strips with the points held, and change with `p`.
+    /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push, and beside
+    /// these what droppers yield; `forces` are those of the strips with the points held, and change with both.
     pub fn settle(&mut self, modes: &Modes, forces: &mut [f64]) {
         let (contacts, count) = (forces.len(), self.len());
         for _ in 0..SWEEPS {
@@ -254,15 +294,15 @@ impl Candidates {
                 let lacks = self.lacking[c] + of_rest;
                 let [by_end, by_bend] = self.by_own[c];
                 let base = spring - (by_end - 1.0) * lacks - by_bend * self.bends[c];
-                let [end, bend, lacks_now] = if self.bent {
+                let yielding = self.yielding[c];
+                let [end, bend] = if self.bent {
                     let [before, begin] = self.courses[c];
                     let bend = |end| bend([before, begin, end]);
-                    let [end, bend] = end_of(base, self.by_own[c], bend, self.ends[c]);
-                    [end, bend, (-end).max(0.0)]
+                    end_of((base, self.by_own[c]), yielding, bend, self.ends[c])
                 } else {
-                    let [end, lacks_now] = at_rest(base, by_end, (modes.at_rest[dropper], modes.creep_at_rest()));
-                    [end, 0.0, lacks_now]
+                    end_of((base, [by_end, 0.0]), yielding, |_| [0.0; 2], self.ends[c])
                 };
+                let lacks_now = (-end).max(0.0) + yielding.force(end);
                 let (change, bent) = (lacks_now - lacks, bend - self.bends[c]);
                 for (force, (held, by_bend)) in forces.iter_mut().zip(held) {
                     *force += held * change - by_bend * bent;
@@ -281,14 +321,22 @@ impl Candidates {
 
 /// Tension at the end of a step, N, negative for what a slack dropper lacks, and the bend of the lacking force, N.
 ///
-/// The tension `s` solves `g s = base + b bend(s)`, `g` the answer to a lacking force where it is negative, else 1, and
-/// `b` the answer to a bend. Both sides together rise with `s`: Newton's method finds the root.
-fn end_of(base: f64, [by_end, by_bend]: [f64; 2], bend: impl Fn(f64) -> [f64; 2], start: f64) -> [f64; 2] {
+/// The tension `s` solves `g s = base + b bend(s) + g r` where it is negative, `g` the answer to a force of the
+/// dropper, `b` that to a bend and `r` what a slack dropper yields, and else `(1 + g y) s = base + b bend(s) + g r`,
+/// `y` the change of what it yields. Both sides together rise with `s`: Newton's method finds the root.
+fn end_of(
+    (base, [by_end, by_bend]): (f64, [f64; 2]),
+    yielding: Yielding,
+    bend: impl Fn(f64) -> [f64; 2],
+    start: f64,
+) -> [f64; 2] {
+    let base = base + by_end * yielding.force(0.0);
+    let taut = 1.0 + by_end * yielding.by_tension;
     // Most stay taut.
-    let mut end = if base > 0.0 { base } else { start };
+    let mut end = if base > 0.0 { base / taut } else { start };
     let mut of_end = bend(end);
     for _ in 0..NEWTON {
-        let own = if end < 0.0 { by_end } else { 1.0 };
+        let own = if end < 0.0 { by_end } else { taut };
         let rise = (own - by_bend * of_end[1]).max(FLATTEST * own);
         let change = (base + by_bend * of_end[0] - own * end) / rise;
         end += change;
@@ -300,22 +348,31 @@ fn end_of(base: f64, [by_end, by_bend]: [f64; 2], bend: impl Fn(f64) -> [f64; 2]
     [end, of_end[0]]
 }
 
-/// Tension in a step to rest, N, negative for what a slack dropper lacks, and the force that the dropper lacks, N.
-///
-/// The tension of a spring that may push is `base` and `1 − by_end` for each newton that is lacking. A slack dropper
-/// lacks what it pushes with, and one whose tension is `of_rest` at rest and which creeps lacks `creep` for each newton
-/// of tension less.
-fn at_rest(base: f64, by_end: f64, (of_rest, creep): (f64, f64)) -> [f64; 2] {
-    let share = creep * by_end;
-    let tension = (base + share * of_rest) / (1.0 + share);
-    if tension < 0.0 {
-        let end = base / by_end;
-        [end, -end]
-    } else {
-        [tension, creep * (of_rest - tension)]
-    }
-}
-
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tension `s + p` with the force `p` that a dropper yields is that of a spring which gives way by `g`.
+    #[test]
+    fn a_dropper_that_yields_has_the_tension_of_both_laws() {
+        let yielding = Yielding {
+            by_tension: 4.0,
+            expected: 50.0,
+        };
+        let own = 0.2;
+        for base in [80.0, 12.0, -39.0, -60.0] {
+            let [end, bend] = end_of((base, [own, 0.0]), yielding, |_| [0.0; 2], 1.0);
+            let lacking = (-end).max(0.0) + yielding.force(end);
+            let tension = base + own * lacking;
+            assert!(
+                (tension - end.max(0.0)).abs() < 1e-9,
+                "{base} N: {tension} N and {end} N"
+            );
+            assert_eq!((end < 0.0, bend), (base < -40.0, 0.0));
+        }
+    }
 }
