@@ -57,12 +57,12 @@ fn no_crate_outgrows_its_room() {
         let folder = manifest.trim_end_matches("Cargo.toml");
         if folder != "tests/" {
             let lines = product_lines(&format!("{folder}src/"));
-            assert!(lines <= 16_200, "{folder}: {lines} lines outside of tests");
+            assert!(lines <= 16_000, "{folder}: {lines} lines outside of tests");
         }
     }
     let program = product_lines("master/cli/src/");
     assert!(
-        program <= 2_550,
+        program <= 2_500,
         "the program has {program} lines: it holds arguments and tables only"
     );
     let experiments = product_lines("master/experiments/src/");

@@ -63,9 +63,13 @@ pub fn of_step(error: &SteppedError) -> PyErr {
 
 /// A name that is none of the known ones.
 pub fn of_name<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> PyErr {
-    let meant = scene::nearest(name, known);
-    let meant = meant.map_or_else(String::new, |meant| format!(", did you mean \"{meant}\"?"));
-    PyKeyError::new_err(format!("{name}: unknown name{meant}"))
+    PyKeyError::new_err(format!("{name}: unknown name{}", meant(name, known)))
+}
+
+/// The nearest of the known names as a question; nothing where none is near.
+pub fn meant<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let nearest = scene::nearest(name, known);
+    nearest.map_or_else(String::new, |nearest| format!(", did you mean \"{nearest}\"?"))
 }
 
 /// Files that cannot be written.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use ::scene::{KeyText, Mark, Place, Problem, Scene, What, described_keys, key_steps, nearest};
+use ::scene::{KeyText, Mark, Place, Problem, Scene, What, described_keys, key_steps};
 use pyo3::prelude::*;
 use simulation::check::Report;
 use simulation::paths::scene_name;
@@ -12,7 +12,7 @@ use sweep::Base;
 use sweep::sensitivity::Parameter;
 use system::run::Watch;
 
-use crate::error::{RunError, SceneError, of_scene, of_setup, of_sweep};
+use crate::error::{RunError, SceneError, meant, of_scene, of_setup, of_sweep};
 use crate::interruption::interruptible;
 use crate::result::RunResult;
 use crate::value::{Found, find, to_python};
@@ -88,8 +88,7 @@ impl SceneSource {
     /// Refusal of a text that is no path of a key.
     fn no_path(&self, key: &str) -> PyErr {
         let known: Vec<String> = described_keys().iter().map(KeyText::path).collect();
-        let meant = nearest(key, known.iter().map(String::as_str));
-        let meant = meant.map_or_else(String::new, |meant| format!(", did you mean \"{meant}\"?"));
+        let meant = meant(key, known.iter().map(String::as_str));
         let form = "must be a path such as run.speed_kmh or pantograph[1].static_force";
         SceneError::new_err(format!("{}: \"{key}\": is no key{meant}; {form}", self.origin))
     }

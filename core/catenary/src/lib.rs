@@ -53,7 +53,7 @@ pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{
     BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
     LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindOnLine, WindowSize,
-    WindowedLine, WireName, adopt_state, cache_folder, follow_strips,
+    WindowedLine, WireName, adopt_state, follow_strips,
 };
 pub use statics::{
     BlowOffReport, DropperAtRest, DropperReport, ElasticityReport, EndReport, StaticAnswer, StaticLine, StaticsError,

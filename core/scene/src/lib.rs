@@ -116,7 +116,7 @@ pub use supplied::{CONTROLLER, Connection, Offset, ParameterValue, Supplied};
 pub use tension_length::{MAX_SPANS, TensionLength};
 pub use tensioning::Tensioning;
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
-pub use tree::{Step as KeyStep, steps as key_steps};
+pub use tree::{Step as KeyStep, steps as key_steps, without_entries};
 pub use vehicle::{
     Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
     Wheels,

@@ -307,6 +307,14 @@ pub enum Step {
     Entry(usize),
 }
 
+/// Path of a key without the numbers of entries, as [`described_keys`](crate::described_keys) has it.
+#[must_use]
+pub fn without_entries(path: &str) -> String {
+    let names = path.split('.').filter(|step| step.parse::<usize>().is_err());
+    let names: Vec<&str> = names.map(|step| step.split('[').next().unwrap_or(step)).collect();
+    names.join(".")
+}
+
 /// Steps of a path such as `pantograph[1].parameters."static.force"`; nothing for a text that is no path.
 #[must_use]
 pub fn steps(path: &str) -> Option<Vec<Step>> {

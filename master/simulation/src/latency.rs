@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use component::{Percentiles, Progress};
+use results::report::format::counted;
 use scene::Scene;
 use serde::Serialize;
 use system::run::Watch;
@@ -122,10 +123,6 @@ impl LatencyReport {
             let cells: String = cells.iter().map(|time| format!("{:>10.1}", 1e6 * time)).collect();
             format!("{name:<28}{cells}\n")
         };
-        let runs = match self.runs {
-            1 => "1 run".to_owned(),
-            runs => format!("{runs} runs"),
-        };
         let mut text = format!(
             "{} ({}), paced at {} ms: {} steps in {}, {:.3} % ended late\n\n\
              {:<28}{:>10}{:>10}{:>10}{:>10}{:>10}\n",
@@ -133,7 +130,7 @@ impl LatencyReport {
             self.mode,
             1e3 * self.macro_step_s,
             self.steps,
-            runs,
+            counted(self.runs, "run", "runs"),
             self.missed_percent,
             "time in µs",
             "50 %",

@@ -70,13 +70,6 @@ fn in_unit(name: &str, unit: &str) -> String {
     }
 }
 
-/// Path of a key without the numbers of entries.
-fn plain(path: &str) -> String {
-    let names = path.split('.').filter(|step| step.parse::<usize>().is_err());
-    let names: Vec<&str> = names.map(|step| step.split('[').next().unwrap_or(step)).collect();
-    names.join(".")
-}
-
 /// A number as a reader of the page needs it; the tables have all digits.
 fn readable(value: &Value) -> String {
     value
@@ -109,7 +102,7 @@ impl Page {
     pub fn new(plan: &Plan, rows: u64) -> Self {
         let known = scene::described_keys();
         let unit = |name: &str| {
-            let path = plain(name);
+            let path = scene::without_entries(name);
             let of_scene = known.iter().find(|key| key.path() == path);
             of_scene.map_or_else(String::new, |key| key.unit.clone())
         };

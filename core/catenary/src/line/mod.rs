@@ -35,7 +35,7 @@ pub(crate) use curve_pull::curve_pull;
 pub(crate) use in_wind::AirOnLine;
 pub use in_wind::WindOnLine;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
-pub use modal::{ModalLine, cache_folder};
+pub use modal::ModalLine;
 pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
 pub use options::{BendingLayers, Dimension, LineOptions, MassCorrection};

@@ -20,7 +20,7 @@ pub fn folder(scene: &str) -> PathBuf {
     if let Some(tree) = source_tree() {
         return tree.join(PRODUCTS).join(scene);
     }
-    let cache = catenary::cache_folder().unwrap_or_else(|| std::env::temp_dir().join("pantoline"));
+    let cache = kept::folder().unwrap_or_else(|| std::env::temp_dir().join("pantoline"));
     cache.join("fmu").join(scene)
 }
 

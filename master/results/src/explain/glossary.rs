@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::bracketed;
+
 /// A word of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Word {
@@ -24,13 +26,10 @@ impl Word {
 
     /// As text.
     pub(super) fn text(&self) -> String {
-        let unit = match self.unit {
-            "" => String::new(),
-            unit => format!(" [{unit}]"),
-        };
         format!(
-            "{}{unit}\n  {}\n  See {}.\n",
+            "{}{}\n  {}\n  See {}.\n",
             self.names.join(", "),
+            bracketed(self.unit),
             self.meaning,
             self.page
         )

@@ -1,22 +1,27 @@
-//! Explanations of the words of a result: figures, limits and notes.
+//! Explanations of words: keys of a scene, and figures, limits and notes of a result.
 //!
 //! | file | subject |
 //! | --- | --- |
 //! | `glossary` | figures, causes of an error, parts of a note |
+//! | `keys` | keys of a scene file |
 //! | `limits` | clause, figure and certainty of each limit, over systems and speeds |
 
 mod glossary;
+mod keys;
 mod limits;
 
 use scene::Assessment;
 use serde::Serialize;
 
 pub use glossary::{Word, glossary, named};
+pub use keys::{Key, keys};
 pub use limits::{LimitText, limits};
 
 /// Everything that is known of a word.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Explanation {
+    /// Keys of that path or name, or in that table.
+    pub keys: Vec<Key>,
     /// Figures and notes of that name.
     pub words: Vec<Word>,
     /// Limits of that standard or quantity.
@@ -24,23 +29,29 @@ pub struct Explanation {
 }
 
 impl Explanation {
-    /// Explanation of `typed`: the name of a figure, cause or note, a quantity that is limited, a standard, or both as
-    /// in `EN 50367 std`; limits with those of `assessment` in their places.
+    /// Explanation of `typed`: a key, the name of a figure or cause, a note or its name, a quantity that is limited, a
+    /// standard, or both as in `EN 50367 std`; limits with those of `assessment` in their places.
     #[must_use]
     pub fn of(typed: &str, assessment: &Assessment) -> Self {
-        let typed = typed.trim();
+        // A note begins with its subject.
+        let typed = typed.trim().trim_start_matches("note: ");
+        let typed = typed.split(": ").next().unwrap_or(typed).trim();
         let words = named(typed).copied().into_iter().collect();
         let limits = limits(assessment)
             .into_iter()
             .filter(|limit| limit.is_called(typed))
             .collect();
-        Self { words, limits }
+        Self {
+            keys: keys(typed),
+            words,
+            limits,
+        }
     }
 
     /// True where nothing is known.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.words.is_empty() && self.limits.is_empty()
+        self.keys.is_empty() && self.words.is_empty() && self.limits.is_empty()
     }
 
     /// Names that are explained.
@@ -62,9 +73,18 @@ impl Explanation {
     /// The explanation as text.
     #[must_use]
     pub fn text(&self) -> String {
+        let keys = self.keys.iter().map(Key::text);
         let words = self.words.iter().map(Word::text);
         let limits = self.limits.iter().map(LimitText::text);
-        words.chain(limits).collect::<Vec<_>>().join("\n")
+        keys.chain(words).chain(limits).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// A unit behind a name; nothing where there is none.
+fn bracketed(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
     }
 }
 
@@ -150,5 +170,25 @@ mod tests {
         names.sort();
         names.dedup();
         assert_eq!(names.len(), all, "a name stands for one thing");
+    }
+
+    #[test]
+    fn a_key_is_found_by_path_by_name_with_numbers_and_by_its_table() {
+        let found = |typed: &str| Explanation::of(typed, &Assessment::default());
+        for typed in [
+            "run.low_pass_hz",
+            "low_pass_hz",
+            "pantograph[2].static_force",
+            "catenary.contact_wire",
+        ] {
+            assert!(!found(typed).keys.is_empty(), "{typed}");
+        }
+        let key = &found("run.speed_kmh").keys[0];
+        assert!(
+            key.text().contains("run.speed_kmh [km/h]\n  Speed of the train."),
+            "{}",
+            key.text()
+        );
+        assert!(found("catenary.contact_wire").keys.len() > 3);
     }
 }

@@ -1,5 +1,7 @@
 //! Numbers and remarks as tables and pages show them.
 
+use std::fmt::Display;
+
 /// Three significant digits, where there is a number.
 pub fn significant(value: Option<f64>) -> Option<String> {
     let value = value.filter(|value| value.is_finite())?;
@@ -34,6 +36,13 @@ pub fn round_count(value: Option<f64>) -> String {
 /// Milliseconds without rounding noise.
 pub fn milliseconds(step: Option<f64>) -> String {
     or_dash(step.map(|step| (1e9 * step).round() / 1e6))
+}
+
+/// A number with its noun.
+#[must_use]
+pub fn counted<T: Display + PartialEq + From<u8>>(count: T, one: &str, many: &str) -> String {
+    let noun = if count == T::from(1) { one } else { many };
+    format!("{count} {noun}")
 }
 
 /// A number with its unit; alone where the unit is `–`, which reads as a minus behind a number.

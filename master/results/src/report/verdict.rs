@@ -1,6 +1,6 @@
 //! The verdict that opens page and table: which limits fail, which hold, and by how much.
 
-use super::format::{decimals, in_unit};
+use super::format::{counted, decimals, in_unit};
 use super::label::NamedRun;
 use super::table::{quantity_name, readable};
 use super::{cell, escape, head_cells, lined, table};
@@ -40,10 +40,6 @@ pub(super) fn margin(limit: &Limit) -> String {
         (None, None) => "–".to_owned(),
     }
     .replace('-', "−")
-}
-
-fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// The verdict in one sentence.

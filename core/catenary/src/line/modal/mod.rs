@@ -62,7 +62,6 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 pub(crate) use base::{Base, Wish};
-pub use store::cache_folder;
 
 /// Error of the filtered force, % of its standard deviation, by modes above the frequency of a strip, `f/√(1 − v/c)`: a
 /// force of the filter's frequency `f` that moves with `v` sends waves of `f` at rest and of `f/(1 − v/c)` ahead, and

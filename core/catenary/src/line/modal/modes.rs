@@ -1,6 +1,6 @@
 //! The modes of a linearised line, and what the modes left out add.
 use super::base::Wish;
-use super::store::{Key, known_or};
+use super::store::{key, known_or};
 use super::stretch::stretches;
 use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve};
 use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, attachment_pairs, eigenpairs_below};
@@ -135,7 +135,7 @@ impl Modes {
         let (law, creeping) = laws(linear.droppers().law(), wish);
         let pencil = Pencil::of(linear, layout, law);
         let linear: &LinearLine = linear;
-        let mut key = Key::new();
+        let mut key = key();
         key.add(wish.highest);
         key.add([wish.beta, wish.bearable, f64::from(u8::from(wish.stretching))]);
         key.add(
