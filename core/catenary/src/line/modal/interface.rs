@@ -388,15 +388,15 @@ impl Interface {
         let creep = self.creep.as_ref();
         let push = |dropper: usize| creep.map_or(0.0, |creep| creep.push(dropper));
         let yielding = |dropper: usize| creep.map_or_else(Yielding::default, |creep| creep.yielding(dropper, h));
-        let yields_or_may_be_slack =
-            |dropper: &usize| h == 0.0 || lacking.tension(*dropper) < TAUT || yielding(*dropper).by_tension != 0.0;
-        let droppers = (0..modes.droppers()).filter(yields_or_may_be_slack);
-        let begin = |dropper: usize| {
-            let course = lacking.course(dropper, as_long);
-            let push = (push(dropper), yielding(dropper));
-            (dropper, lacking.beyond_rest()[dropper], course, push)
+        let candidate = |dropper: usize| {
+            let yielding = yielding(dropper);
+            let may_be_slack = h == 0.0 || lacking.tension(dropper) < TAUT;
+            (may_be_slack || yielding.by_tension != 0.0).then(|| {
+                let (course, push) = (lacking.course(dropper, as_long), (push(dropper), yielding));
+                (dropper, lacking.beyond_rest()[dropper], course, push)
+            })
         };
-        lane.candidates.choose(droppers.map(begin));
+        lane.candidates.choose((0..modes.droppers()).filter_map(candidate));
         self.move_on(Lane::begin);
     }
 
@@ -539,14 +539,11 @@ impl StepHistory for Interface {
         lane.bends.extend(lane.candidates.bends(h));
         lane.forces.copy_from_slice(&self.forces);
         pull(&mut lane.lacking, &self.lacking);
-        let yielded = lane.candidates.yielded().filter(|(_, force)| *force != 0.0);
-        for (dropper, force) in yielded {
+        for (dropper, force) in lane.candidates.yielded().filter(|(_, force)| *force != 0.0) {
             lane.lacking.push((dropper, -force));
-        }
-        if let Some(creep) = self.creep.as_mut().filter(|_| h > 0.0) {
-            lane.candidates
-                .yielded()
-                .for_each(|(dropper, force)| creep.yield_by(dropper, force));
+            if let Some(creep) = self.creep.as_mut().filter(|_| h > 0.0) {
+                creep.yield_by(dropper, force);
+            }
         }
         self.steps += usize::from(h > 0.0);
         self.choose_watched();
