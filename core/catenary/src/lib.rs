@@ -1,4 +1,4 @@
-//! The overhead line: wires of ANCF elements, droppers, supports, registration arms, statics, contact with strips.
+//! The overhead line: wires of ANCF elements, droppers, supports, registration arms, statics, under strips.
 //!
 //! ```text
 //! folder      subject
@@ -6,7 +6,6 @@
 //! dropper     unilateral ties between the two wires
 //! line        the whole line: in full, linearised, or as a window that follows the strips
 //! statics     the static state and its answers to forces
-//! contact     contact wire against collector strips
 //! subsystem   the line of a scene under prescribed strips as one simulation unit
 //! ```
 //!
@@ -26,7 +25,6 @@
 //!   Dynamics 34, doi 10.1007/s11044-014-9430-y.
 #![forbid(unsafe_code)]
 
-mod contact;
 mod dropper;
 mod line;
 mod statics;
@@ -37,6 +35,10 @@ pub use ::ancf::{
     AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
     CableSection, Coordinates, Tangent, beam_mass_matrix, beam_shape, mass_matrix,
 };
+pub use ::contact::{
+    ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, OnWire, PenaltyContact,
+    PrescribedStrip, ResidualCompliance, RunningSurface, STRIP_VALUES, Sensitivity, SlidingJoint, StripContact,
+};
 pub use ::mesh;
 pub use ::mesh::{CorrectedSteps, load, load_with};
 pub use ::wire::{
@@ -44,10 +46,6 @@ pub use ::wire::{
     WireDrag, WireGeometry, WireNode, WirePoint, WireSection,
 };
 pub(crate) use ::wire::{DirectorInertia, Directors, WireDirectors};
-pub use contact::{
-    ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, OnWire, PenaltyContact,
-    PrescribedStrip, ResidualCompliance, RunningSurface, STRIP_VALUES, Sensitivity, SlidingJoint, StripContact,
-};
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{

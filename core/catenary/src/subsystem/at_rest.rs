@@ -1,9 +1,9 @@
 //! The line at rest over strips of given heights.
-use crate::contact::STRIP_VALUES;
 use crate::{
     CatenaryError, ContactTangent, OverheadLine, PrescribedStrip, SlidingJoint, StaticLine, StripStart, Subsystem,
     scene_line,
 };
+use contact::STRIP_VALUES;
 use dynamics::{Constraint, Force, Layout, State, StaticOptions, System, solve_static};
 use scene::{ContactLaw, Scene};
 

@@ -20,8 +20,8 @@ use exchange::{ContactIntegrals, Exchange};
 pub use model::{CatenaryError, Model, StaticsInputs, contact_pair, scene_line, static_line, strip_contact};
 use signals::input_direction;
 
-use crate::contact::{ContactPair, ContactState, ContactTotal, STRIP_INPUTS, STRIP_VALUES};
 use crate::{OverheadLine, StaticLine};
+use contact::{ContactPair, ContactState, ContactTotal, STRIP_INPUTS, STRIP_VALUES};
 use dynamics::{Counters, FollowedInput, Layout, Motion, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;

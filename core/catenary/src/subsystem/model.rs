@@ -1,10 +1,10 @@
 //! The line of a scene together with the strips on it.
-use crate::contact::STRIP_VALUES;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, ModalLine,
     OverheadLine, PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindOnLine,
     WindowedLine, adopt_state, follow_strips,
 };
+use contact::STRIP_VALUES;
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{Catenary, ContactLaw, Correction, Reduction, Scene};
 

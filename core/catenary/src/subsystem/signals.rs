@@ -1,7 +1,7 @@
 //! The line as a component: table of its signals, and its parameters.
 use super::SAMPLES;
-use crate::contact::STRIP_INPUTS;
 use crate::{CatenaryError, Checkpoint, Sensitivity, StripStart, Subsystem, static_line};
+use ::contact::STRIP_INPUTS;
 use component::exchange::{contact, contact_of_wire, strip, support};
 use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, SignalKind, StepFailure};
 use dynamics::StepError;

@@ -1,10 +1,10 @@
 //! A wire on the horns of a head.
 use super::tests::{WIRE, bent, motion};
 use super::*;
-use crate::{NodeMap, WireGeometry};
 use dynamics::State;
 use dynamics::testing::{LawTrio, plain_layout};
 use nalgebra::{Matrix3, Rotation3};
+use wire::{NodeMap, WireGeometry};
 
 const STIFFNESS: f64 = 5e4;
 

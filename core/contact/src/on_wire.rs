@@ -1,8 +1,8 @@
 //! A strip on a wire under any contact law.
 use super::{ContactPair, ContactState, SlidingJoint};
-use crate::WireCurve;
 use dynamics::{Constraint, Force, Frame, Marker, Motion};
 use std::sync::Arc;
+use wire::WireCurve;
 
 /// Interface of a strip to a line that follows its strips.
 pub trait OnWire {

@@ -1,9 +1,9 @@
 //! The contact at one instant and its derivatives.
 use super::{ContactGeometry, PenaltyContact};
-use crate::Compliance;
-use crate::UnilateralStep;
+use dynamics::unilateral::UnilateralStep;
 use dynamics::{Frame, Weights};
 use nalgebra::Vector3;
+use wire::Compliance;
 
 /// The contact at one instant.
 ///

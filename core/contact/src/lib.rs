@@ -16,6 +16,8 @@
 //! total           a strip on all contact wires together
 //! strip           a strip whose motion is prescribed
 //! ```
+#![forbid(unsafe_code)]
+
 mod compliance;
 mod corrected_wire;
 mod geometry;

@@ -1,9 +1,9 @@
 //! A force that moves along a wire whose inertia is corrected for the time step.
 use super::ContactGeometry;
 use super::state::slide;
-use crate::{CurveColumns, LoadCorrection, WireCurve};
 use dynamics::Frame;
 use dynamics::unilateral::next_of;
+use wire::{CurveColumns, LoadCorrection, WireCurve};
 
 /// Fraction of the time step of the correction: the rate between two forces closer than this is lost in rounding.
 const APART: f64 = 1e-3;
@@ -131,10 +131,11 @@ impl MovingLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CorrectedWire, WireCurve};
-    use crate::{NodeMap, WireGeometry};
+    use crate::CorrectedWire;
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
+    use wire::WireCurve;
+    use wire::{NodeMap, WireGeometry};
 
     const STEP: f64 = 1e-3;
     const KAPPA: f64 = 0.17;

@@ -3,10 +3,11 @@ use super::moving_load::MovingLoad;
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, OnWire, PenaltyContact};
-use crate::{CurveColumns, UnilateralStart, UnilateralStep, WireCurve};
+use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 use dynamics::{Columns, Force, Frame, LowRank, Marker, MonotoneCubic, Motion, Power, StepHistory, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
+use wire::{CurveColumns, WireCurve};
 
 /// Tangent that the contact hands to Newton's method. In a step that closes the contact, the chord to the closing is
 /// the lower bound of both, so that no correction opens the contact again.

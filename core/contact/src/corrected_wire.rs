@@ -1,8 +1,7 @@
 //! A wire with corrections for its mesh and for the time step under strips.
 use super::{ResidualCompliance, RunningSurface};
-use crate::{Compliance, LoadCorrection};
-use crate::{CurveColumns, CurvePoint, WireCurve, WireGeometry};
 use std::sync::Arc;
+use wire::{Compliance, CurveColumns, CurvePoint, LoadCorrection, WireCurve, WireGeometry};
 
 /// A wire with its running surface, and with corrections for its mesh and for the time step under strips.
 #[derive(Clone, Debug)]

@@ -1,13 +1,13 @@
 //! Residual compliance: flexibility of a wire under a moving point force that its mesh lacks.
-use crate::{
-    AxialLaw, BendingLaw, Compliance, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry,
-    WireSection,
-};
-use ::wire::element_between;
+use ancf::{AxialLaw, BendingLaw};
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use wire::{
+    Compliance, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry, WireSection,
+    element_between,
+};
 
 /// Residual compliance of a wire under a transverse point force that moves along it with the speed `v`: the deflection
 /// under the force that the coordinates of the mesh cannot take.

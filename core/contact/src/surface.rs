@@ -1,6 +1,6 @@
 //! Running surface of a contact wire.
-use crate::{CurvePoint, WireGeometry};
 use dynamics::RestingSpline;
+use wire::{CurvePoint, WireGeometry};
 
 /// Height of the running surface of a wire above an even one, along the parameter of the wire: a smooth curve through
 /// given places, constant beyond.

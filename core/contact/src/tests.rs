@@ -1,8 +1,8 @@
 use super::*;
-use crate::{Compliance, CurveColumns, CurvePoint, NodeMap, WireGeometry};
 use dynamics::State;
 use dynamics::testing::{LawTrio, plain_layout};
 use nalgebra::{Matrix3, Rotation3};
+use wire::{Compliance, CurveColumns, CurvePoint, NodeMap, WireGeometry};
 
 pub(super) const WIRE: usize = 18;
 

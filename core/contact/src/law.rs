@@ -7,10 +7,10 @@ use dynamics::unilateral::unilateral_force;
 /// F = max(0, k δ + φ d δ̇)                                          [Thesis, Eq. (17), with φ = 1 for δ > 0, else 0]
 /// ```
 ///
-/// `φ` is the part of a time step in which the contact is closed, see [`crate::UnilateralStep`]: 1 in a step that
-/// begins closed. The thesis' Eq. (17) holds both normals of the wire with a bilateral spring; here only the common
-/// normal of wire and strip carries a force, which never pulls, so that contact can be lost and, with stagger, the wire
-/// slides along the strip.
+/// `φ` is the part of a time step in which the contact is closed, see [`dynamics::unilateral::UnilateralStep`]: 1 in a
+/// step that begins closed. The thesis' Eq. (17) holds both normals of the wire with a bilateral spring; here only the
+/// common normal of wire and strip carries a force, which never pulls, so that contact can be lost and, with stagger,
+/// the wire slides along the strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PenaltyContact {
     /// `k`, N/m, positive.
@@ -47,7 +47,7 @@ impl PenaltyContact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{UnilateralStart, UnilateralStep};
+    use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 
     const LAW: PenaltyContact = PenaltyContact {
         stiffness: 5e4,

@@ -1,9 +1,9 @@
 //! Generalised forces on wire and strip of a force along their common normal.
 use super::ContactGeometry;
 use super::state::{Variation, vary};
-use crate::{CurveColumns, WireCurve};
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::Vector3;
+use wire::{CurveColumns, WireCurve};
 
 /// Wire and strip at their contact.
 pub(super) struct Sides<'a> {

@@ -1,11 +1,11 @@
 //! A strip held on a wire, sliding along it.
 use super::sides::Sides;
 use super::{ContactGeometry, ContactState, ContactTangent, OnWire, PrescribedStrip};
-use crate::{CurveColumns, WireCurve};
 use dynamics::{
     Columns, Constraint, Force, Frame, JacobianRows, LowRank, Marker, Motion, StepHistory, Updates, Weights,
 };
 use std::sync::Arc;
+use wire::{CurveColumns, WireCurve};
 
 /// The sliding joint between collector strip and contact wire [Thesis, section 4.2.1; Pappalardo et al. 2015]: one
 /// holonomic equation, with the arc length `s` of the contact as non-generalised coordinate.

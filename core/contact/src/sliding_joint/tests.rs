@@ -1,6 +1,6 @@
 use super::*;
-use crate::{NodeMap, WireGeometry};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use wire::{NodeMap, WireGeometry};
 
 /// Coordinates of the wire: three nodes in space.
 const WIRE: usize = 18;

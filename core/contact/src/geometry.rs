@@ -1,7 +1,7 @@
 //! Closest points of a wire and a strip.
-use crate::{CurvePoint, WireCurve};
 use dynamics::{Frame, MonotoneCubic};
 use nalgebra::Vector3;
+use wire::{CurvePoint, WireCurve};
 
 /// The closest points of a wire and the line of a strip, and their common normal.
 ///
