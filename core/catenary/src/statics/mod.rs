@@ -46,7 +46,7 @@ use crate::{
     CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
     WindOnLine, WireGeometry, WireName,
 };
-use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
+use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, StaticSolver, System};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::{Arc, OnceLock};
@@ -81,7 +81,7 @@ fn options(max_iterations: usize, topology: &Topology) -> StaticOptions {
             // Two ends of an element.
             tolerance: RESIDUAL.max(2.0 * rounding),
             max_iterations,
-            ..NewtonOptions::default()
+            ..StaticOptions::default().newton
         },
         ..StaticOptions::default()
     }
@@ -415,11 +415,12 @@ impl StaticLine {
     ) -> Result<StaticAnswer, StaticsError> {
         let touched = self.touched_at(x);
         let share = force / touched.len() as f64;
-        let options = StaticOptions::default();
+        let options = StaticOptions::modified();
         let places = |line: &Line, q: &[f64]| -> Vec<f64> {
             touched.iter().map(|&wire| line.contact_wire_s(wire, x, q)).collect()
         };
         let mut at = places(&system.line, &state.q);
+        let mut solver = StaticSolver::new(&mut system, &state.motion(&[]));
         // A wire slides past x by fractions of a millimetre, so a few passes find the point.
         for _ in 0..10 {
             system.load.entries.clear();
@@ -430,7 +431,7 @@ impl StaticLine {
                 let entries = entries.map(|column| (column.index, share * column.n.z));
                 system.load.entries.extend(entries);
             }
-            solve_static(&mut system, &mut state, &[], &options)?;
+            solver.solve(&mut system, &mut state, &[], &options)?;
             let next = places(&system.line, &state.q);
             let moved = at
                 .iter()

@@ -173,7 +173,7 @@ impl Subsystem {
             for contact in &mut self.simulator.system.contacts {
                 limited |= contact.limit_stiffness(limit);
             }
-            self.simulator.settle(&StaticOptions::default())?;
+            self.simulator.settle(&StaticOptions::modified())?;
             if !limited {
                 break;
             }

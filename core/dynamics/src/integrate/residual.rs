@@ -201,6 +201,11 @@ impl Imbalance {
         self.linear.as_ref().is_some_and(|linear| linear.evaluated.is_empty())
     }
 
+    /// First residual of forces in the present step, in units of its tolerance; zero in statics.
+    pub fn first(&self) -> f64 {
+        self.first.unwrap_or(0.0)
+    }
+
     /// Takes over the matrix that is factored at `motion`.
     pub fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
         if let Some(linear) = &mut self.linear {

@@ -5,8 +5,8 @@ use crate::integrate::memory::Memory;
 use crate::integrate::newton::MOST_MICRO_STEPS;
 use crate::linear::iteration_matrix::mass_matrix;
 use crate::{
-    Continuity, Counters, EnergyBalance, GeneralizedAlpha, NewtonOptions, SparseMatrix, State, StaticOptions,
-    StaticReport, StepError, System, solve_static,
+    Continuity, Counters, EnergyBalance, GeneralizedAlpha, Jacobian, NewtonOptions, SparseMatrix, State, StaticOptions,
+    StaticReport, StaticSolver, StepError, System, solve_static,
 };
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +36,8 @@ pub struct Simulator<S> {
     /// Room for inputs before a jump.
     before: Vec<f64>,
     mass: Option<SparseMatrix>,
+    /// Of starts that keep their factors, until the first step: starts are searched for by turns with pantographs.
+    statics: Option<StaticSolver>,
     /// Times that an internal step which fails is parted into halves before it is given up.
     halvings: u32,
     halved: Halved,
@@ -61,6 +63,7 @@ impl<S: System> Simulator<S> {
             before: Vec::new(),
             u,
             mass: None,
+            statics: None,
             halvings: 0,
             halved: Halved::default(),
         }
@@ -127,7 +130,12 @@ impl<S: System> Simulator<S> {
     /// See [`crate::solve_static`].
     pub fn settle(&mut self, options: &StaticOptions) -> Result<StaticReport, StepError> {
         self.integrator.begin_anew();
-        solve_static(&mut self.system, &mut self.state, &self.u, options)
+        if options.newton.jacobian == Jacobian::Full {
+            return solve_static(&mut self.system, &mut self.state, &self.u, options);
+        }
+        let motion = self.state.motion(&self.u);
+        let solver = (self.statics).get_or_insert_with(|| StaticSolver::new(&mut self.system, &motion));
+        solver.solve(&mut self.system, &mut self.state, &self.u, options)
     }
 
     /// Kinetic energy `½ vᵀ M v`, J.
@@ -215,6 +223,7 @@ impl<S: System> Simulator<S> {
             return Err(StepError::TooLong { t, h, micro_step });
         }
         let dt = h / count as f64;
+        self.statics = None;
         for step in 1..=count {
             let tau = if step == count { h } else { step as f64 * dt };
             self.step((t, tau, dt), self.halvings, inputs_at, after)?;

@@ -4,8 +4,13 @@ use crate::integrate::newton::name;
 use crate::integrate::residual::Since;
 use crate::integrate::workspace::Workspace;
 use crate::linear::block_tridiagonal::Precision;
-use crate::{Motion, NewtonOptions, State, StepError, System, Weights};
+use crate::{Jacobian, Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
+
+/// Contraction of the residual up to which the next correction keeps the factors, by the last correction or in the mean
+/// of the last two: a factorisation takes as long as dozens of corrections. What bends a wire stretches it, so that
+/// corrections contract by turns.
+const KEPT: f64 = 0.3;
 
 /// Options of the static solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,11 +29,22 @@ impl Default for StaticOptions {
         Self {
             newton: NewtonOptions {
                 max_iterations: 200,
+                jacobian: Jacobian::Full,
                 ..NewtonOptions::default()
             },
             mass_shift: 0.0,
             largest_change: 0.5,
         }
+    }
+}
+
+impl StaticOptions {
+    /// Factors that are kept while corrections contract the residual, for tangents that change little.
+    #[must_use]
+    pub fn modified() -> Self {
+        let mut options = Self::default();
+        options.newton.jacobian = Jacobian::Modified;
+        options
     }
 }
 
@@ -44,7 +60,7 @@ pub struct StaticReport {
 /// Moves `state` to the static equilibrium with inputs `u`: velocities and accelerations become zero, multipliers
 /// follow.
 ///
-/// The exact tangent is factored in every iteration.
+/// The exact tangent is factored in every iteration, unless the options keep factors.
 ///
 /// # Errors
 /// See [`StepError`]; `state` is then unchanged.
@@ -59,15 +75,23 @@ pub fn solve_static(
 
 /// Static solutions one after the other of systems whose contributions have the same entries: their pattern is analysed
 /// once.
-pub struct StaticSolver(Workspace);
+pub struct StaticSolver {
+    workspace: Workspace,
+    /// True if the last solution has left factors.
+    factored: bool,
+}
 
 impl StaticSolver {
     /// A solver for a system, and for others with its coordinates and entries.
     pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        Self(Workspace::new(system, motion, Precision::Double))
+        Self {
+            workspace: Workspace::new(system, motion, Precision::Double),
+            factored: false,
+        }
     }
 
-    /// Moves `state` to the static equilibrium, see [`solve_static`].
+    /// Moves `state` to the static equilibrium, see [`solve_static`]. Where factors are kept, those of the solution
+    /// before are tried first.
     ///
     /// # Errors
     /// See [`StepError`]; `state` is then unchanged.
@@ -79,7 +103,8 @@ impl StaticSolver {
         options: &StaticOptions,
     ) -> Result<StaticReport, StepError> {
         let start = state.clone();
-        let result = solve(&mut self.0, system, state, u, options);
+        let result = solve(&mut self.workspace, self.factored, system, state, u, options);
+        self.factored = result.is_ok();
         if result.is_err() {
             *state = start;
         }
@@ -89,6 +114,7 @@ impl StaticSolver {
 
 fn solve(
     workspace: &mut Workspace,
+    factored: bool,
     system: &mut dyn System,
     state: &mut State,
     u: &[f64],
@@ -102,6 +128,8 @@ fn solve(
     visit_histories(system, &mut |kept| kept.begin_step(&state.motion(u), 0.0));
     let mut best = f64::INFINITY;
     let mut stagnant = 0;
+    // Residuals before the last two corrections with these factors.
+    let mut before = [0.0_f64; 2];
     for iteration in 0..=newton.max_iterations {
         let motion = state.motion(u);
         let residual = workspace.residual(system, &motion, None, &state.lambda, (newton, Since::Anything));
@@ -131,7 +159,15 @@ fn solve(
         }
         stagnant = if residual.ratio < 0.9 * best { 0 } else { stagnant + 1 };
         best = best.min(residual.ratio);
-        workspace.factor(system, &motion, options.mass_shift, weights)?;
+        let serve = match iteration {
+            0 => factored,
+            _ => residual.ratio <= KEPT * before[0].max(KEPT * before[1]),
+        };
+        if newton.jacobian == Jacobian::Full || !serve {
+            workspace.factor(system, &motion, options.mass_shift, weights)?;
+            before[0] = 0.0;
+        }
+        before = [residual.ratio, before[0]];
         workspace.correct(system, &motion, weights, None)?;
         let n = state.q.len();
         let largest = workspace.correction[..n]
@@ -140,6 +176,9 @@ fn solve(
         // Droppers that switch to and fro make full corrections cycle; shorter ones end the cycle.
         let patience = if stagnant > 5 { 0.5 } else { 1.0 };
         let damping = patience * (options.largest_change / largest).min(1.0);
+        if damping < 1.0 {
+            before = [0.0; 2];
+        }
         for (q, change) in state.q.iter_mut().zip(&workspace.correction) {
             *q += damping * change;
         }

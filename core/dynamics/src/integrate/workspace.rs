@@ -40,6 +40,10 @@ impl Ranges {
 /// without evaluation: there a step may end above the tolerance by about as much.
 const LEFT: f64 = 0.3;
 
+/// Part of the first residual of a step up to which second corrections leave as much as first ones: what is left
+/// behind in each step bends a slow line, and does not tell beside what moves a fast one.
+const BESIDE_FIRST: f64 = 2e-3;
+
 /// Matrix, low-rank terms and buffers of one system.
 pub(crate) struct Workspace {
     coordinates: usize,
@@ -172,7 +176,10 @@ impl Workspace {
         // A border requires any force, however small, that brings its coordinates onto the constraint.
         let options = options.filter(|_| !self.updates.has_borders());
         let thresholds = options.map_or_else(Thresholds::default, |(options, iteration)| {
-            let left = LEFT * 0.1_f64.powi(iteration as i32);
+            let left = match iteration {
+                0 => LEFT,
+                _ => self.left_beside_first() * 0.1_f64.powi(iteration as i32 - 1),
+            };
             Thresholds {
                 force: left * options.tolerance,
                 constraint: left * options.constraint_tolerance * self.scale,
@@ -210,6 +217,11 @@ impl Workspace {
             t: motion.t,
             coordinate: name(system, place.unwrap_or(0)),
         })
+    }
+
+    /// Part of the tolerance below which residuals stay in a second correction.
+    fn left_beside_first(&self) -> f64 {
+        (BESIDE_FIRST * self.imbalance.first()).clamp(0.1 * LEFT, LEFT)
     }
 
     /// The ranges of coordinates in which the last correction is not zero.

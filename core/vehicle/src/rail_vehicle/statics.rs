@@ -90,7 +90,7 @@ impl Vehicle {
             newton: NewtonOptions {
                 tolerance: TOLERANCE,
                 max_iterations: 200,
-                ..NewtonOptions::default()
+                ..StaticOptions::default().newton
             },
             mass_shift: MASS_SHIFT,
             ..StaticOptions::default()
