@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ._arguments import imported
+from ._pantoline import check_name
 
 if TYPE_CHECKING:
     import pandas
@@ -26,9 +27,12 @@ class Table(Sequence[dict[str, Any]]):
         return list(dict.fromkeys(key for row in self._rows for key in row))
 
     def column(self, name: str) -> list[Any]:
-        """Values of a column; ``None`` where a row has none."""
-        if name not in self.columns:
-            raise KeyError(name)
+        """Values of a column; ``None`` where a row has none.
+
+        Raises:
+            KeyError: No such column; the message has the nearest name.
+        """
+        check_name(name, self.columns)
         return [row.get(name) for row in self._rows]
 
     def to_arrow(self) -> pyarrow.Table:

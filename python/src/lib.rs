@@ -36,6 +36,16 @@ fn set_program(file: PathBuf) {
     fmi2::program::stand_in(file);
 }
 
+/// Refuses a name that is none of the known ones, with the nearest of them.
+#[pyfunction]
+fn check_name(name: &str, known: Vec<String>) -> PyResult<()> {
+    let names = || known.iter().map(String::as_str);
+    if names().any(|known| known == name) {
+        return Ok(());
+    }
+    Err(error::of_name(name, names()))
+}
+
 /// Names of the figures of a sensitivity analysis.
 #[pyfunction]
 fn figure_names() -> Vec<&'static str> {
@@ -84,7 +94,7 @@ mod _pantoline {
     #[pymodule_export]
     use super::sweep::CaseSweep;
     #[pymodule_export]
-    use super::{figure_names, quantiles, set_program, shares};
+    use super::{check_name, figure_names, quantiles, set_program, shares};
 
     /// Version of the package.
     #[pymodule_export]

@@ -69,6 +69,8 @@ def test_tables_have_units_and_the_same_numbers(scene: pantoline.Scene) -> None:
     with pytest.raises(KeyError, match=r'contact\[1\].forc: unknown name, did you mean "contact\[1\].force"\?'):
         result["contact[1].forc"]
     assert list(result.droppers.to_arrow().column_names) == result.droppers.columns
+    with pytest.raises(KeyError, match=r'limt: unknown name, did you mean "limit"\?'):
+        result.limits.column("limt")
     assert "uplift at support" in str(result) or "EN 5" in str(result)
 
 
@@ -116,6 +118,23 @@ def test_a_file_in_place_of_a_folder_is_refused(scene: pantoline.Scene, tmp_path
         with pytest.raises(NotADirectoryError, match=f"out = {refusal}"):
             pantoline.sweep(scene, {"run.speed_kmh": [200]}, out=path)
     assert file.read_text() == "a file"
+
+
+def test_a_run_that_ends_early_is_raised_with_what_there_is(scene: pantoline.Scene, tmp_path: Path) -> None:
+    scene["solver.max_iterations"] = 1
+    scene["solver.newton_tolerance"] = 1e-8
+    with pytest.raises(pantoline.RunError, match="the run is incomplete: no equilibrium at t = 0.0") as raised:
+        scene.run(out=tmp_path)
+    kept = raised.value.result
+    assert not kept.complete and kept.incomplete_reason in str(raised.value)
+    assert 1 < len(kept.time) < 500 and np.isfinite(kept["contact[1].force"]).all()
+    assert json.loads((tmp_path / "summary.json").read_text())["complete"] is False
+    assert kept.incomplete_reason in (tmp_path / "report.html").read_text()
+    assert repr(kept).endswith("incomplete>") and "<pre>" in kept._repr_html_()
+    assert len(kept.plot().lines) == 2
+    returned = scene.run(check=False)
+    assert returned.incomplete_reason == kept.incomplete_reason
+    assert returned["contact[1].force"].tobytes() == kept["contact[1].force"].tobytes()
 
 
 def test_a_result_is_shown(scene: pantoline.Scene) -> None:
