@@ -3,7 +3,7 @@
 use scene::{Accuracy, MeshChoice, Open, Reduction, Scene, What, shown_number};
 
 use super::division::{Search, mesh_for};
-use super::error_shares::{error_shares, sum};
+use super::error_shares::{error_shares, shares_of_reductions, sum};
 
 /// Share of the wish that Newton's tolerance may take, N/%: fewer iterations at an error that hardly counts.
 const TOLERANCE: f64 = 0.2;
@@ -97,6 +97,11 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
     for reductions in candidates.iter().filter(are_new) {
         let mut trial = scene.clone();
         trial.model.reductions.extend(*reductions);
+        // No mesh makes up for what reductions alone exceed.
+        let exceeds = |trial: &Scene| shares_of_reductions(trial).is_ok_and(|shares| sum(&shares) > percent);
+        if !reductions.is_empty() && exceeds(&trial) {
+            continue;
+        }
         match mesh_for(&trial, &search) {
             Ok(choice) => {
                 choice.apply(&mut trial, &search);

@@ -63,7 +63,6 @@ const MODAL: f64 = 1.0;
 /// # Errors
 /// As [`expected_error_at`].
 pub fn error_shares(scene: &Scene, step: f64) -> Result<Vec<ErrorShare>, String> {
-    let (catenary, _) = scene.modelled_line().ok_or("a line that is a supplied FMU")?;
     let of_mesh = expected_error_at(scene, step)?;
     let mut shares = vec![
         ErrorShare {
@@ -75,20 +74,7 @@ pub fn error_shares(scene: &Scene, step: f64) -> Result<Vec<ErrorShare>, String>
             percent: of_mesh.time,
         },
     ];
-    for &reduction in &scene.model.reductions {
-        let percent = match reduction {
-            Reduction::Planar => planar(scene, catenary),
-            Reduction::Linearised => linearised(scene, catenary),
-            Reduction::Modal => linearised(scene, catenary) + MODAL,
-            Reduction::Window => window(scene, catenary),
-            Reduction::Linkage => 0.0,
-            Reduction::Flat => return Err("\"flat\" in model.reduce, which is another line".to_owned()),
-        };
-        shares.push(ErrorShare {
-            cause: reduction.name(),
-            percent,
-        });
-    }
+    shares.extend(shares_of_reductions(scene)?);
     shares.push(ErrorShare {
         cause: "newton_tolerance",
         percent: TOLERANCE * scene.solver.newton_tolerance,
@@ -100,6 +86,27 @@ pub fn error_shares(scene: &Scene, step: f64) -> Result<Vec<ErrorShare>, String>
         });
     }
     Ok(shares)
+}
+
+/// Expected errors of the reductions of the line, whatever its mesh and its steps.
+///
+/// # Errors
+/// A supplied line; a reduction that makes another line.
+pub(crate) fn shares_of_reductions(scene: &Scene) -> Result<Vec<ErrorShare>, String> {
+    let (catenary, _) = scene.modelled_line().ok_or("a line that is a supplied FMU")?;
+    let share = |&reduction: &Reduction| {
+        let percent = match reduction {
+            Reduction::Planar => planar(scene, catenary),
+            Reduction::Linearised => linearised(scene, catenary),
+            Reduction::Modal => linearised(scene, catenary) + MODAL,
+            Reduction::Window => window(scene, catenary),
+            Reduction::Linkage => 0.0,
+            Reduction::Flat => return Err("\"flat\" in model.reduce, which is another line".to_owned()),
+        };
+        let cause = reduction.name();
+        Ok(ErrorShare { cause, percent })
+    };
+    scene.model.reductions.iter().map(share).collect()
 }
 
 /// Sum of the shares, %.
