@@ -36,7 +36,8 @@ pub struct Simulator<S> {
     /// Room for inputs before a jump.
     before: Vec<f64>,
     mass: Option<SparseMatrix>,
-    /// Of starts that keep their factors, until the first step: starts are searched for by turns with pantographs.
+    /// Solver of starts that keep their factors, until the first step: starts are searched for by turns with
+    /// pantographs.
     statics: Option<StaticSolver>,
     /// Times that an internal step which fails is parted into halves before it is given up.
     halvings: u32,
