@@ -109,6 +109,7 @@ fn solutions_close_together_share_factors_as_long_as_they_serve() {
     let mut solver = StaticSolver::new(&mut line, &state.motion(&[0.0]));
     let mut tangents = |force: f64, options| pulled(&mut line, &mut solver, &mut state, (force, options)).1;
     let kept = StaticOptions::modified();
+    assert_eq!(tangents(0.0, kept), 0, "at rest from the start");
     assert!(tangents(100.0, kept) > 0);
     for force in [100.5, 101.0, 101.5] {
         assert_eq!(tangents(force, kept), 0, "{force} N");

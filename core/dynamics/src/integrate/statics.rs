@@ -77,7 +77,7 @@ pub fn solve_static(
 /// once.
 pub struct StaticSolver {
     workspace: Workspace,
-    /// True if the last solution has left factors.
+    /// True if the last solution has left factors, or those of an earlier one.
     factored: bool,
 }
 
@@ -103,9 +103,9 @@ impl StaticSolver {
         options: &StaticOptions,
     ) -> Result<StaticReport, StepError> {
         let start = state.clone();
-        let result = solve(&mut self.workspace, self.factored, system, state, u, options);
-        self.factored = result.is_ok();
+        let result = solve((&mut self.workspace, &mut self.factored), system, state, u, options);
         if result.is_err() {
+            self.factored = false;
             *state = start;
         }
         result
@@ -113,8 +113,7 @@ impl StaticSolver {
 }
 
 fn solve(
-    workspace: &mut Workspace,
-    factored: bool,
+    (workspace, factored): (&mut Workspace, &mut bool),
     system: &mut dyn System,
     state: &mut State,
     u: &[f64],
@@ -160,11 +159,12 @@ fn solve(
         stagnant = if residual.ratio < 0.9 * best { 0 } else { stagnant + 1 };
         best = best.min(residual.ratio);
         let serve = match iteration {
-            0 => factored,
+            0 => *factored,
             _ => residual.ratio <= KEPT * before[0].max(KEPT * before[1]),
         };
         if newton.jacobian == Jacobian::Full || !serve {
             workspace.factor(system, &motion, options.mass_shift, weights)?;
+            *factored = true;
             before[0] = 0.0;
         }
         before = [residual.ratio, before[0]];
