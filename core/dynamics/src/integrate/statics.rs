@@ -91,7 +91,7 @@ impl StaticSolver {
     }
 
     /// Moves `state` to the static equilibrium, see [`solve_static`]. Where factors are kept, those of the solution
-    /// before are tried first.
+    /// before are tried first, and exact tangents where kept ones lead nowhere.
     ///
     /// # Errors
     /// See [`StepError`]; `state` is then unchanged.
@@ -103,7 +103,13 @@ impl StaticSolver {
         options: &StaticOptions,
     ) -> Result<StaticReport, StepError> {
         let start = state.clone();
-        let result = solve((&mut self.workspace, &mut self.factored), system, state, u, options);
+        let mut result = solve((&mut self.workspace, &mut self.factored), system, state, u, options);
+        if result.is_err() && options.newton.jacobian == Jacobian::Modified {
+            let mut options = *options;
+            options.newton.jacobian = Jacobian::Full;
+            state.copy_from(&start);
+            result = solve((&mut self.workspace, &mut self.factored), system, state, u, &options);
+        }
         if result.is_err() {
             self.factored = false;
             *state = start;
