@@ -88,18 +88,29 @@ fn pulled(
     (report.iterations, line.springs.tangents - before)
 }
 
+/// Iterations and tangents of a first solution under 100 N.
+fn first(options: StaticOptions) -> (usize, usize) {
+    let mut line = line();
+    let mut state = line.layout.state_at_rest();
+    let mut solver = StaticSolver::new(&mut line, &state.motion(&[0.0]));
+    pulled(&mut line, &mut solver, &mut state, (100.0, options))
+}
+
 #[test]
 fn factors_are_kept_while_corrections_contract() {
-    let [every, some] = [StaticOptions::default(), StaticOptions::modified()].map(|options| {
-        let mut line = line();
-        let mut state = line.layout.state_at_rest();
-        let mut solver = StaticSolver::new(&mut line, &state.motion(&[0.0]));
-        pulled(&mut line, &mut solver, &mut state, (100.0, options))
-    });
+    let [every, some] = [StaticOptions::default(), StaticOptions::modified()].map(first);
     assert!(
         some.0 > every.0 && some.1 < every.1,
         "iterations, tangents: {some:?}, {every:?}"
     );
+}
+
+#[test]
+fn exact_tangents_find_what_kept_factors_do_not() {
+    let iterations = first(StaticOptions::default()).0;
+    let mut options = StaticOptions::modified();
+    options.newton.max_iterations = iterations;
+    assert_eq!(first(options).0, iterations);
 }
 
 #[test]
