@@ -1,4 +1,4 @@
-//! The overhead line: wires of ANCF elements, droppers, supports, registration arms, statics, under strips.
+//! The overhead line under strips: wires of ANCF elements, droppers, supports, registration arms, statics.
 //!
 //! ```text
 //! folder      subject

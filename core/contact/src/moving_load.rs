@@ -134,7 +134,6 @@ mod tests {
     use crate::CorrectedWire;
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
-    use wire::WireCurve;
     use wire::{NodeMap, WireGeometry};
 
     const STEP: f64 = 1e-3;

@@ -101,6 +101,19 @@ pub(super) fn bent() -> (Vec<f64>, Vec<f64>) {
     (q, v)
 }
 
+/// The force is what an energy of some 1e-1 J gives along each coordinate: its central difference rounds at 1e-10 of the
+/// force.
+pub(super) fn assert_energy(pair: &mut ContactPair, q: &[f64], tolerance: f64) {
+    let trio = LawTrio {
+        q_step: 1e-6,
+        tolerance,
+        ..LawTrio::default()
+    };
+    let mut state = State::at_rest(q.len(), 0, Vec::new());
+    state.q.copy_from_slice(q);
+    trio.assert_energy(pair, &plain_layout(q.len()), &state);
+}
+
 pub(super) fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
     Motion {
         t: 0.0,
@@ -128,15 +141,7 @@ fn the_generalised_force_is_the_negative_gradient_of_the_energy() {
     ] {
         let exact = force(&mut pair, &q, &v);
         assert!(exact.iter().any(|value| value.abs() > 10.0), "the strip presses");
-        // Central difference of an energy of some 1e-1 J: rounding 1e-10 relative to the force.
-        let trio = LawTrio {
-            q_step: 1e-6,
-            tolerance,
-            ..LawTrio::default()
-        };
-        let mut state = State::at_rest(q.len(), 0, Vec::new());
-        state.q.clone_from(&q);
-        trio.assert_energy(&mut pair, &plain_layout(q.len()), &state);
+        assert_energy(&mut pair, &q, tolerance);
     }
 }
 

@@ -98,8 +98,7 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
         let mut trial = scene.clone();
         trial.model.reductions.extend(*reductions);
         // No mesh makes up for what reductions alone exceed.
-        let exceeds = |trial: &Scene| shares_of_reductions(trial).is_ok_and(|shares| sum(&shares) > percent);
-        if !reductions.is_empty() && exceeds(&trial) {
+        if !reductions.is_empty() && shares_of_reductions(&trial).is_ok_and(|shares| sum(&shares) > percent) {
             continue;
         }
         match mesh_for(&trial, &search) {

@@ -1,8 +1,6 @@
 //! A wire on the horns of a head.
-use super::tests::{WIRE, bent, motion};
+use super::tests::{WIRE, assert_energy, bent, motion};
 use super::*;
-use dynamics::State;
-use dynamics::testing::{LawTrio, plain_layout};
 use nalgebra::{Matrix3, Rotation3};
 use wire::{NodeMap, WireGeometry};
 
@@ -118,15 +116,7 @@ fn the_force_on_a_horn_is_the_gradient_of_the_energy_also_where_the_head_rolls()
         assert!(contact.geometry.normal.y * side > 0.2);
         let exact = force(&mut pair, &q, &v);
         assert!(exact[WIRE + 3].abs() > 1.0, "the force turns the head");
-        // Central difference of an energy of some 1e-1 J: rounding 1e-10 relative to the force.
-        let trio = LawTrio {
-            q_step: 1e-6,
-            tolerance: 1e-6,
-            ..LawTrio::default()
-        };
-        let mut at = State::at_rest(q.len(), 0, Vec::new());
-        at.q.clone_from(&q);
-        trio.assert_energy(&mut pair, &plain_layout(q.len()), &at);
+        assert_energy(&mut pair, &q, 1e-6);
     }
 }
 

@@ -201,7 +201,7 @@ impl Imbalance {
         self.linear.as_ref().is_some_and(|linear| linear.evaluated.is_empty())
     }
 
-    /// First residual of forces in the present step, in units of its tolerance; zero in statics.
+    /// First residual of forces in the present step, in units of its tolerance; zero before there is one.
     pub fn first(&self) -> f64 {
         self.first.unwrap_or(0.0)
     }

@@ -5,8 +5,8 @@ use crate::integrate::memory::Memory;
 use crate::integrate::newton::MOST_MICRO_STEPS;
 use crate::linear::iteration_matrix::mass_matrix;
 use crate::{
-    Continuity, Counters, EnergyBalance, GeneralizedAlpha, Jacobian, NewtonOptions, SparseMatrix, State, StaticOptions,
-    StaticReport, StaticSolver, StepError, System, solve_static,
+    Continuity, Counters, EnergyBalance, GeneralizedAlpha, NewtonOptions, SparseMatrix, State, StaticOptions,
+    StaticReport, StaticSolver, StepError, System,
 };
 use serde::{Deserialize, Serialize};
 
@@ -36,8 +36,7 @@ pub struct Simulator<S> {
     /// Room for inputs before a jump.
     before: Vec<f64>,
     mass: Option<SparseMatrix>,
-    /// Solver of starts that keep their factors, until the first step: starts are searched for by turns with
-    /// pantographs.
+    /// Solver of starts, until the first step: starts are searched for by turns with pantographs.
     statics: Option<StaticSolver>,
     /// Times that an internal step which fails is parted into halves before it is given up.
     halvings: u32,
@@ -131,9 +130,6 @@ impl<S: System> Simulator<S> {
     /// See [`crate::solve_static`].
     pub fn settle(&mut self, options: &StaticOptions) -> Result<StaticReport, StepError> {
         self.integrator.begin_anew();
-        if options.newton.jacobian == Jacobian::Full {
-            return solve_static(&mut self.system, &mut self.state, &self.u, options);
-        }
         let motion = self.state.motion(&self.u);
         let solver = (self.statics).get_or_insert_with(|| StaticSolver::new(&mut self.system, &motion));
         solver.solve(&mut self.system, &mut self.state, &self.u, options)

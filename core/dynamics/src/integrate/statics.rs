@@ -77,7 +77,7 @@ pub fn solve_static(
 /// once.
 pub struct StaticSolver {
     workspace: Workspace,
-    /// True if the last solution has left factors, or those of an earlier one.
+    /// True if there are factors of an earlier solution.
     factored: bool,
 }
 
