@@ -101,8 +101,8 @@ pub(super) fn bent() -> (Vec<f64>, Vec<f64>) {
     (q, v)
 }
 
-/// The force is what an energy of some 1e-1 J gives along each coordinate: its central difference rounds at 1e-10 of the
-/// force.
+/// The force is what an energy of some 1e-1 J gives along each coordinate: its central difference rounds at 1e-10 of
+/// the force.
 pub(super) fn assert_energy(pair: &mut ContactPair, q: &[f64], tolerance: f64) {
     let trio = LawTrio {
         q_step: 1e-6,
