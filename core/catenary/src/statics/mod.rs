@@ -81,9 +81,9 @@ fn options(max_iterations: usize, topology: &Topology) -> StaticOptions {
             // Two ends of an element.
             tolerance: RESIDUAL.max(2.0 * rounding),
             max_iterations,
-            ..StaticOptions::default().newton
+            ..StaticOptions::modified().newton
         },
-        ..StaticOptions::default()
+        ..StaticOptions::modified()
     }
 }
 
@@ -331,9 +331,16 @@ impl StaticLine {
     }
 
     fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
+        let rest = self.system.layout.state_at_rest();
+        if force == 0.0 && self.wind.is_none() {
+            return Ok(StaticAnswer {
+                height: self.height(x, &rest.q),
+                state: rest,
+            });
+        }
         let mut system = self.system.clone();
         system.line = system.line.in_wind(self.wind.as_ref());
-        let mut answer = self.answer(system, x, force, self.system.layout.state_at_rest())?;
+        let mut answer = self.answer(system, x, force, rest)?;
         answer.height += force * self.residual(self.system.line.compliance(), x, &answer.state);
         Ok(answer)
     }
