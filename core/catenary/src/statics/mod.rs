@@ -340,17 +340,19 @@ impl StaticLine {
         }
         let mut system = self.system.clone();
         system.line = system.line.in_wind(self.wind.as_ref());
-        let mut answer = self.answer(system, x, force, rest)?;
+        let mut solver = StaticSolver::new(&mut system, &rest.motion(&[]));
+        let mut answer = self.answer((&mut system, &mut solver), x, force, rest)?;
         answer.height += force * self.residual(self.system.line.compliance(), x, &answer.state);
         Ok(answer)
     }
 
     fn solved_elasticity(&self, points: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
-        let mut start = self.system.layout.state_at_rest();
-        let rest = start.clone();
+        let (mut system, rest) = (self.system.clone(), self.system.layout.state_at_rest());
+        let mut solver = StaticSolver::new(&mut system, &rest.motion(&[]));
+        let mut start = rest.clone();
         let mut reports = Vec::with_capacity(points.len());
         for &x in points {
-            let answer = self.answer(self.system.clone(), x, ELASTICITY_FORCE, start)?;
+            let answer = self.answer((&mut system, &mut solver), x, ELASTICITY_FORCE, start)?;
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
                 x,
@@ -415,7 +417,7 @@ impl StaticLine {
 
     fn answer(
         &self,
-        mut system: Standalone,
+        (system, solver): (&mut Standalone, &mut StaticSolver),
         x: f64,
         force: f64,
         mut state: State,
@@ -427,7 +429,6 @@ impl StaticLine {
             touched.iter().map(|&wire| line.contact_wire_s(wire, x, q)).collect()
         };
         let mut at = places(&system.line, &state.q);
-        let mut solver = StaticSolver::new(&mut system, &state.motion(&[]));
         // A wire slides past x by fractions of a millimetre, so a few passes find the point.
         for _ in 0..10 {
             system.load.entries.clear();
@@ -438,7 +439,7 @@ impl StaticLine {
                 let entries = entries.map(|column| (column.index, share * column.n.z));
                 system.load.entries.extend(entries);
             }
-            solver.solve(&mut system, &mut state, &[], &options)?;
+            solver.solve(system, &mut state, &[], &options)?;
             let next = places(&system.line, &state.q);
             let moved = at
                 .iter()
