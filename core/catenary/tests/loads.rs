@@ -50,3 +50,20 @@ fn the_residual_is_held_against_the_loads_so_that_the_same_form_is_found_for_any
         }
     }
 }
+
+#[test]
+fn elasticity_is_the_rise_under_a_force_that_acts_alone() {
+    const FORCE: f64 = 100.0;
+    let line = StaticLine::solve(&line(4, 1.0), LineOptions::default()).unwrap();
+    let x: Vec<f64> = (1..48).map(|part| 5.0 * f64::from(part)).collect();
+    let height = |x: f64, force: f64| line.wire_height_under(x, force).unwrap().height;
+    for (report, &x) in line.elasticity(&x).unwrap().iter().zip(&x) {
+        let alone = (height(x, FORCE) - height(x, 0.0)) / FORCE;
+        // Both solutions end at residuals far below 1e-6 of the force.
+        assert!(
+            (report.elasticity / alone - 1.0).abs() < 1e-6,
+            "{x} m: {} {alone}",
+            report.elasticity
+        );
+    }
+}
