@@ -265,6 +265,26 @@ fn ends_in_order(signal: &str) {
     assert!(folder.path().join("timeseries.csv").exists() && folder.path().join("report.html").exists());
 }
 
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_the_set_up_at_once() {
+    use std::os::unix::process::ExitStatusExt;
+    const INTERRUPT: i32 = 2;
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_master"));
+    command.args(["run", scene().to_str().unwrap(), "--mode", "monolithic", "-q"]);
+    // Modes take seconds where none are kept.
+    command.args(["--set", "model.reduce=modal", "--out"]).arg(&out);
+    command.env("PANTOLINE_CACHE", "");
+    let mut child = command.spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let mut kill = Command::new("kill");
+    assert!(kill.args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().signal(), Some(INTERRUPT));
+    assert!(!out.exists());
+}
+
 #[test]
 fn a_start_without_balance_names_its_key() {
     let folder = tempfile::tempdir().unwrap();

@@ -76,7 +76,6 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     let (path, mode) = (arguments.scene.as_path(), Mode::from(arguments.mode));
     let file = SceneFile::read(path, common)?;
     let directory = file.output(common);
-    let interrupted = interrupted(common);
     let say = say(common);
     file.notes.iter().for_each(|note| say(note));
     let logging = common.verbose > 1;
@@ -93,7 +92,8 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     prepared.pictures = !arguments.no_animation;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
-    let watch = Watch::new(interrupted, &progress);
+    // Before there are results to keep, Ctrl-C ends the program at once.
+    let watch = Watch::new(interrupted(common), &progress);
     let source = FmuSource {
         folder: package::folder(&file.name),
         logging,
