@@ -332,6 +332,7 @@ impl StaticLine {
 
     fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
         let rest = self.system.layout.state_at_rest();
+        // The static state itself.
         if force == 0.0 && self.wind.is_none() {
             return Ok(StaticAnswer {
                 height: self.height(x, &rest.q),
