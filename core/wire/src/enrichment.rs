@@ -1,6 +1,6 @@
 //! Unknown at a point of attachment for the bending layer that cubic elements of metres cannot follow.
 use super::geometry::Location;
-use ancf::ShapeFunctions;
+use ancf::{ShapeFunctions, bending_matrix, mass_matrix, tension_matrix};
 use nalgebra::{Vector3, Vector4};
 
 /// An unknown `a` (–) at a node at which a part pulls at the wire:
@@ -98,6 +98,13 @@ pub(super) struct Products<T> {
     pub bending: T,
 }
 
+impl<T> Products<T> {
+    /// Those of `f g`, `f,ₓ g,ₓ` and `f,ₓₓ g,ₓₓ`.
+    fn of([mass, tension, bending]: [T; 3]) -> Self {
+        Self { mass, tension, bending }
+    }
+}
+
 impl Products<f64> {
     /// `weights.mass · ∫ f g + …`.
     pub fn weighted(&self, weights: &Products<f64>) -> f64 {
@@ -124,20 +131,50 @@ pub(super) struct LayerIntegrals {
 }
 
 impl LayerIntegrals {
-    /// Integrates over an element of `length` in m.
+    /// Those over an element of `length` in m, in closed form (*derived here*).
+    ///
+    /// With `e = λ exp(−x/λ)`, its interpolant `h·s` and `M`, `K`, `B` the matrices of the polynomials,
+    ///
+    /// ```text
+    /// ∫ s ψ = J − M h,          J = ∫ s e = λ² Σₖ λᵏ (s⁽ᵏ⁾(0) − exp(−L/λ) s⁽ᵏ⁾(L)),    k = 0…3
+    /// ∫ s,ₓ ψ,ₓ = P − K h,      P = [s e,ₓ] − J/λ²        by parts, as e,ₓₓ = e/λ²
+    /// ∫ s,ₓₓ ψ,ₓₓ = Q − B h,    Q = B h                   by parts, as s⁗ = 0 and ψ = ψ,ₓ = 0 at the ends
+    /// ∫ ψ² = ∫ e² − h·J − h·(J − M h), …
+    /// ```
+    ///
+    /// A kink is the interpolant alone: `e`, `J`, `P` and `Q` are zero.
     pub fn new(end: End, bending_length: f64, length: f64) -> Self {
-        let mut sum = Self::default();
-        quadrature(bending_length, length, |at, w| {
-            let Layer { psi, psi_x, psi_xx } = Layer::at(at, end, bending_length, length);
-            sum.shape.mass += at.shape.s * (psi * w);
-            sum.shape.tension += at.shape.s_x * (psi_x * w);
-            sum.shape.bending += at.shape.s_xx * (psi_xx * w);
-            sum.own.mass += psi * psi * w;
-            sum.own.tension += psi_x * psi_x * w;
-            sum.own.bending += psi_xx * psi_xx * w;
-            sum.area += psi * w;
+        let h = interpolant(End::Start, bending_length, length);
+        let (l, l2, l3) = (length, length.powi(2), length.powi(3));
+        let of_interpolant = [mass_matrix(l), tension_matrix(l), bending_matrix(l)].map(|matrix| matrix * h);
+        let mut of_exponential = [Vector4::zeros(); 3];
+        let mut squares = [0.0; 3];
+        let mut area = 0.0;
+        if bending_length > 0.0 {
+            let (layer, layer2) = (bending_length, bending_length.powi(2));
+            let far = (-length / layer).exp();
+            let ends = Vector4::x() - Vector4::z() * far;
+            let slopes = Vector4::y() - Vector4::w() * far;
+            let curvatures = Vector4::new(-6.0 / l2, -4.0 / l, 6.0 / l2, -2.0 / l)
+                - Vector4::new(6.0 / l2, 2.0 / l, -6.0 / l2, 4.0 / l) * far;
+            let thirds = Vector4::new(12.0 / l3, 6.0 / l2, -12.0 / l3, 6.0 / l2) * (1.0 - far);
+            let of_mass = (ends + (slopes + (curvatures + thirds * layer) * layer) * layer) * layer2;
+            of_exponential = [of_mass, ends - of_mass / layer2, of_interpolant[2]];
+            squares = [layer2, 1.0, 1.0 / layer2].map(|factor| 0.5 * factor * layer * (1.0 - far * far));
+            area = layer2 * (1.0 - far);
+        }
+        let shapes: [Vector4<f64>; 3] = std::array::from_fn(|i| of_exponential[i] - of_interpolant[i]);
+        let own: [f64; 3] = std::array::from_fn(|i| squares[i] - h.dot(&(of_exponential[i] + shapes[i])));
+        // From the other end the functions change places, and slopes their sign.
+        let seen = shapes.map(|shape| match end {
+            End::Start => shape,
+            End::Finish => Vector4::new(shape.z, -shape.w, shape.x, -shape.y),
         });
-        sum
+        Self {
+            shape: Products::of(seen),
+            own: Products::of(own),
+            area: area - h.dot(&Vector4::new(0.5 * l, l2 / 12.0, 0.5 * l, -l2 / 12.0)),
+        }
     }
 }
 
@@ -156,7 +193,7 @@ pub(super) fn pair_integrals(ends: (End, End), bending_lengths: (f64, f64), leng
 
 /// Integrates with five Gauss points per panel: panels of half a bending length within forty bending lengths from
 /// either end (beyond, the exponential is below the last digit), and one panel between, where only cubics are left.
-fn quadrature(bending_length: f64, length: f64, mut add: impl FnMut(&Location, f64)) {
+pub(super) fn quadrature(bending_length: f64, length: f64, mut add: impl FnMut(&Location, f64)) {
     let panel = 0.5 * bending_length;
     let layer = (80.0 * panel).min(0.5 * length);
     // A kink is made of cubics alone.

@@ -1,7 +1,7 @@
-use super::enrichment::{End, LayerIntegrals, Products};
+use super::enrichment::{End, Layer, LayerIntegrals, Products, quadrature};
 use super::*;
 use crate::{CurveColumns, WireCurve};
-use ancf::{AxialLaw, BendingLaw, bending_matrix, tension_matrix};
+use ancf::{AxialLaw, BendingLaw, bending_matrix, mass_matrix, tension_matrix};
 use dynamics::testing::{LawTrio, assert_energy, assert_mass, plain_layout};
 use dynamics::{Columns, Force, Marker, Motion, OnePass, State, Weights, dense};
 use nalgebra::{DVector, Vector3, Vector4};
@@ -334,6 +334,59 @@ fn a_layer_in_an_even_field_has_its_closed_form_energy() {
         let finish = LayerIntegrals::new(End::Finish, layer, length);
         assert!((finish.own.weighted(&weights) / own - 1.0).abs() < 1e-9);
         assert!((finish.area / start.area - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn integrals_of_a_layer_in_closed_form_are_those_of_a_quadrature() {
+    for end in [End::Start, End::Finish] {
+        for (length, layer) in [(6.0_f64, 0.1_f64), (0.7, 0.1), (1.0, 0.3), (0.5, 0.5), (0.7, 0.0)] {
+            let mut sum = LayerIntegrals::default();
+            quadrature(layer, length, |at, w| {
+                let Layer { psi, psi_x, psi_xx } = Layer::at(at, end, layer, length);
+                sum.shape.mass += at.shape.s * (psi * w);
+                sum.shape.tension += at.shape.s_x * (psi_x * w);
+                sum.shape.bending += at.shape.s_xx * (psi_xx * w);
+                sum.own.mass += psi * psi * w;
+                sum.own.tension += psi_x * psi_x * w;
+                sum.own.bending += psi_xx * psi_xx * w;
+                sum.area += psi * w;
+            });
+            let found = LayerIntegrals::new(end, layer, length);
+            let case = format!("{end:?}, {length} m, {layer} m");
+            // Rounding is that of the interpolant, of which ψ is a small rest on a short element.
+            let far = if layer > 0.0 { (-length / layer).exp() } else { 0.0 };
+            let h = Vector4::new(layer, -1.0, layer * far, -far);
+            let near = |a: f64, b: f64, size: f64| assert!((a - b).abs() < 1e-11 * size, "{case}: {a:e} {b:e}");
+            for (found, sum, own, sum_own, matrix) in [
+                (
+                    found.shape.mass,
+                    sum.shape.mass,
+                    found.own.mass,
+                    sum.own.mass,
+                    mass_matrix(length),
+                ),
+                (
+                    found.shape.tension,
+                    sum.shape.tension,
+                    found.own.tension,
+                    sum.own.tension,
+                    tension_matrix(length),
+                ),
+                (
+                    found.shape.bending,
+                    sum.shape.bending,
+                    found.own.bending,
+                    sum.own.bending,
+                    bending_matrix(length),
+                ),
+            ] {
+                let of_interpolant = matrix * h;
+                (0..4).for_each(|i| near(found[i], sum[i], of_interpolant.amax()));
+                near(own, sum_own, h.dot(&of_interpolant));
+            }
+            near(found.area, sum.area, length * (layer + length));
+        }
     }
 }
 
