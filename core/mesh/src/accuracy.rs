@@ -102,8 +102,8 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
             continue;
         }
         match mesh_for(&trial, &search) {
-            Ok(choice) => {
-                choice.apply(&mut trial, &search);
+            Ok((choice, cost)) => {
+                search.apply(choice, &mut trial);
                 trial.run.accuracy = None;
                 if let Some(mesh) = trial.mesh_mut() {
                     mesh.choice = MeshChoice::Given;
@@ -114,7 +114,7 @@ fn cheapest(scene: &Scene, open: Open, percent: f64) -> Result<Scene, String> {
                 } else {
                     0.0
                 };
-                let cost = choice.cost * (cost_of_line(&trial) + set_up);
+                let cost = cost * (cost_of_line(&trial) + set_up);
                 let is_cheaper = best.as_ref().is_none_or(|(least, _)| cost < *least);
                 // The scene without further reductions is checked with its file.
                 if is_cheaper && (reductions.is_empty() || trial.check("").is_ok()) {

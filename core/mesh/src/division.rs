@@ -1,6 +1,6 @@
 //! Elements and micro step for an error that is asked for.
 
-use scene::{Catenary, Correction, Division, Scene};
+use scene::{Catenary, Division, Scene};
 
 use super::corrections::choose_corrections;
 
@@ -20,14 +20,11 @@ const MOST_ELEMENTS: usize = 100;
 /// worth of its results is measured, and the rule of [`expected_error`](crate::expected_error) is not asked.
 const FINE: f64 = 0.42;
 
-/// Elements, corrections and micro step for an error.
-#[derive(Clone, Debug, PartialEq)]
+/// Elements and micro step for an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
     division: Division,
-    corrections: Vec<Correction>,
     micro_step: f64,
-    /// Elements of a span per second of internal steps, 1/s.
-    pub(crate) cost: f64,
 }
 
 /// A search for a mesh: its aim, and what is given.
@@ -44,16 +41,18 @@ pub(crate) struct Search<'a> {
     pub(crate) macro_step_follows: bool,
 }
 
-impl Choice {
-    /// Writes the choice into a scene.
-    pub(crate) fn apply(&self, scene: &mut Scene, search: &Search<'_>) {
-        scene.solver.micro_step = self.micro_step;
-        if search.macro_step_follows {
-            scene.coupling.macro_step = self.micro_step;
+impl Search<'_> {
+    /// Writes a choice into a scene, but for what is given, and the corrections that it can have.
+    pub(crate) fn apply(&self, choice: Choice, scene: &mut Scene) {
+        scene.solver.micro_step = choice.micro_step;
+        if self.macro_step_follows {
+            scene.coupling.macro_step = choice.micro_step;
         }
-        if let Some(mesh) = scene.mesh_mut() {
-            mesh.division = self.division;
-            mesh.corrections.clone_from(&self.corrections);
+        if !self.mesh_is_given {
+            if let Some(mesh) = scene.mesh_mut() {
+                mesh.division = choice.division;
+            }
+            choose_corrections(scene);
         }
     }
 }
@@ -87,8 +86,9 @@ pub fn evenly_divided(catenary: &Catenary, count: usize) -> Division {
     }
 }
 
-/// The cheapest mesh and step of those that the rule knows whose error is small enough; `Err` says why there is none.
-pub(crate) fn mesh_for(scene: &Scene, search: &Search<'_>) -> Result<Choice, String> {
+/// The cheapest mesh and step of those that the rule knows whose error is small enough, with their cost: elements of a
+/// span per second of internal steps, 1/s. `Err` says why there are none.
+pub(crate) fn mesh_for(scene: &Scene, search: &Search<'_>) -> Result<(Choice, f64), String> {
     let no_rule =
         |of: String| format!("no rule is known for {of}; give elements_per_interval or element_length instead");
     let line = scene.modelled_line().ok_or("a line that is a supplied FMU");
@@ -101,8 +101,6 @@ pub(crate) fn mesh_for(scene: &Scene, search: &Search<'_>) -> Result<Choice, Str
             .map(|count| evenly_divided(catenary, count))
             .collect(),
     };
-    let mut best: Option<Choice> = None;
-    let mut trial = scene.clone();
     let steps = if search.micro_step_is_given {
         vec![scene.solver.micro_step]
     } else if search.macro_step_follows {
@@ -110,40 +108,35 @@ pub(crate) fn mesh_for(scene: &Scene, search: &Search<'_>) -> Result<Choice, Str
     } else {
         steps_to_choose_from(scene)
     };
+    let mut best: Option<(Choice, f64)> = None;
     let mut least = f64::INFINITY;
-    for micro_step in steps {
-        trial.solver.micro_step = micro_step;
-        if search.macro_step_follows {
-            trial.coupling.macro_step = micro_step;
-        }
-        let cost = |division: Division| catenary.elements_per_span(division) as f64 / micro_step;
-        // Shorter steps cost more at the same elements.
-        if best.as_ref().is_some_and(|other| cost(divisions[0]) >= other.cost) {
+    let mut trial = scene.clone();
+    for division in divisions {
+        let elements = catenary.elements_per_span(division) as f64;
+        // More elements cost more at the same step.
+        if best.is_some_and(|(_, least_cost)| elements / steps[0] > least_cost * (1.0 + 1e-9)) {
             break;
         }
-        for division in &divisions {
-            if !search.mesh_is_given {
-                if let Some(mesh) = trial.mesh_mut() {
-                    mesh.division = *division;
-                }
-                choose_corrections(&mut trial);
+        let with = |micro_step: f64| Choice { division, micro_step };
+        let mut expected = |step: f64| {
+            search.apply(with(step), &mut trial);
+            (search.error)(&trial).map_err(no_rule)
+        };
+        let smallest = expected(steps[steps.len() - 1])?;
+        least = least.min(smallest);
+        if smallest > search.percent {
+            continue;
+        }
+        for &step in &steps {
+            let cost = elements / step;
+            // Of two that cost the same, the longer step.
+            if best.is_some_and(|(_, least_cost)| cost > least_cost * (1.0 + 1e-9)) {
+                break;
             }
-            let expected = (search.error)(&trial).map_err(no_rule)?;
-            least = least.min(expected);
-            if expected > search.percent {
-                continue;
+            if expected(step)? <= search.percent {
+                best = Some((with(step), cost));
+                break;
             }
-            let cost = cost(*division);
-            if best.as_ref().is_none_or(|other| cost < other.cost * (1.0 - 1e-9)) {
-                best = Some(Choice {
-                    division: *division,
-                    corrections: trial.corrections().to_vec(),
-                    micro_step,
-                    cost,
-                });
-            }
-            // More elements cost more at the same step.
-            break;
         }
     }
     best.ok_or_else(|| {

@@ -37,12 +37,12 @@ pub fn resolve(scene: &mut Scene) -> Result<(), (String, What)> {
                 micro_step_is_given: !choose_micro_step,
                 macro_step_follows: choose_macro_step,
             };
-            let chosen = mesh_for(scene, &search).map_err(|expected| {
+            let (chosen, _) = mesh_for(scene, &search).map_err(|expected| {
                 let value = shown_number(percent, "%");
                 let key = "catenary.mesh.error_percent".to_owned();
                 (key, What::Refused { value, expected })
             })?;
-            chosen.apply(scene, &search);
+            search.apply(chosen, scene);
             if let Some(wish) = &mut wish {
                 wish.open.micro_step = false;
                 wish.open.macro_step = false;
