@@ -87,6 +87,13 @@ fn options(max_iterations: usize, topology: &Topology) -> StaticOptions {
     }
 }
 
+/// Residual compliance of each contact wire of a line under strips that move with `speed` in m/s.
+fn compliance_under(line: &Line, speed: f64) -> Vec<Option<Arc<ResidualCompliance>>> {
+    let wires = (0..line.contact_wires()).map(|wire| line.contact_wire(wire));
+    let found = wires.map(|wire| ResidualCompliance::new(wire.geometry(), wire.section(), speed));
+    found.map(|found| found.map(Arc::new)).collect()
+}
+
 /// A line alone in its own layout, possibly under a dead load.
 #[derive(Clone, Debug)]
 struct Standalone {
@@ -126,8 +133,6 @@ pub struct StaticLine {
     /// Heights of the contact wire, m, by place along the track, m, and force, N.
     heights: Kept<(f64, f64), f64>,
     system: Standalone,
-    /// Residual compliance of each contact wire under strips at rest; empty without.
-    at_rest: Vec<Option<Arc<ResidualCompliance>>>,
     /// Wind on the wires; the static state itself is without wind.
     wind: Option<WindOnLine>,
     report: StaticsReport,
@@ -177,20 +182,13 @@ impl StaticLine {
         let coordinates = topology.register(&mut layout);
         topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
         let line = Line::new(catenary, &topology, &equilibrium, 0);
-        let compliance = |speed: f64| -> Vec<Option<Arc<ResidualCompliance>>> {
-            let wires = (0..line.contact_wires()).map(|wire| line.contact_wire(wire));
-            let found = wires.map(|wire| ResidualCompliance::new(wire.geometry(), wire.section(), speed));
-            found.map(|found| found.map(Arc::new)).collect()
-        };
-        let at_rest = options.contact_compliance.map_or_else(Vec::new, |_| compliance(0.0));
-        let moving = options.contact_compliance.map_or_else(Vec::new, compliance);
+        let compliance = (options.contact_compliance).map_or_else(Vec::new, |speed| compliance_under(&line, speed));
         let mut line = Self {
             system: Standalone {
-                line: line.with_contact_compliance(moving),
+                line: line.with_contact_compliance(compliance),
                 layout,
                 load: DeadLoad::default(),
             },
-            at_rest,
             wind: None,
             whole: catenary.clone(),
             repeat: Repeat::of_solved(&Source {
@@ -350,6 +348,8 @@ impl StaticLine {
     fn solved_elasticity(&self, points: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
         let (mut system, rest) = (self.system.clone(), self.system.layout.state_at_rest());
         let mut solver = StaticSolver::new(&mut system, &rest.motion(&[]));
+        let corrected = self.topology.options().contact_compliance;
+        let compliance = corrected.map_or_else(Vec::new, |_| compliance_under(&self.system.line, 0.0));
         let mut start = rest.clone();
         let mut reports = Vec::with_capacity(points.len());
         for &x in points {
@@ -357,7 +357,7 @@ impl StaticLine {
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
                 x,
-                elasticity: rise / ELASTICITY_FORCE + self.residual(&self.at_rest, x, &answer.state),
+                elasticity: rise / ELASTICITY_FORCE + self.residual(&compliance, x, &answer.state),
             });
             start = answer.state;
         }
